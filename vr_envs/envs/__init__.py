@@ -1,0 +1,1 @@
+"""Tasks as Gymnasium environments: the only code that knows Gymnasium."""

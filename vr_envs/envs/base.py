@@ -1,0 +1,363 @@
+"""ScalarEnv and BatchEnv: one set of records and kernels behind Gymnasium's two interfaces.
+
+Both step the same compiled loop over rows, so the batch is the scalar environment, byte for byte.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import gymnasium as gym
+import numpy as np
+from gymnasium.error import ResetNeeded
+from gymnasium.spaces import Box
+from gymnasium.utils import seeding
+from gymnasium.vector import AutoresetMode
+from gymnasium.vector.utils import batch_space
+
+from vr_envs.envs.rows import rows_of
+from vr_envs.envs.scene import resolve
+from vr_envs.envs.task import Channel, Task
+from vr_envs.models.record import dtype_of
+
+NO_LIMIT = np.iinfo(np.int64).max
+
+
+def box(channels: tuple[Channel, ...]) -> Box:
+    """The float32 Box of a list of channels."""
+    low, high = (np.array([getattr(c, side) for c in channels], np.float32) for side in ("low", "high"))
+    return Box(low, high, dtype=np.float32)
+
+
+def episode_key(generator: np.random.Generator) -> np.uint64:
+    """The 64-bit key from which an episode draws its start and all its disturbances."""
+    return generator.integers(np.iinfo(np.uint64).max, dtype=np.uint64, endpoint=True)
+
+
+class World:
+    """`n` records of one task in one scene, and the kernels that move them."""
+
+    def __init__(self, task: Task, scene: str | Mapping[str, Any] | None, n: int) -> None:
+        self.task = task
+        self.scene = resolve(task, scene)
+        self.params, self.options = self.scene.records()
+        self.rows = rows_of(task)
+        self.states = np.zeros(n, dtype_of(task.state))
+        self.observation_space = box(task.observation_channels(self.scene))
+        self.action_space = box(task.action_channels(self.scene))
+        self.widths = (self.observation_space.shape[0], self.action_space.shape[0])
+
+    def actions(self, given: Any, shape: tuple[int, ...]) -> np.ndarray:
+        """A fresh float64 copy of the actions, (n, width)."""
+        try:
+            actions = np.array(given, dtype=np.float64)
+        except (TypeError, ValueError) as error:
+            raise ValueError(f"action {given!r} is not an array of numbers; give shape {shape}") from error
+        if actions.shape != shape:
+            raise ValueError(f"action has shape {actions.shape}; give {shape}, each entry in [-1, 1]")
+        return actions.reshape(len(self.states), self.widths[1])
+
+    def step(self, actions: np.ndarray, live: np.ndarray, limit: int) -> tuple[np.ndarray, ...]:
+        """Move the live rows; returns fresh (observations, rewards, terminated, truncated)."""
+        n = len(self.states)
+        obs = np.empty((n, self.widths[0]), np.float32)
+        rewards = np.zeros(n)
+        terminated, truncated = np.zeros(n, np.bool_), np.zeros(n, np.bool_)
+        bad = self.rows.step(
+            self.states, actions, live, limit, obs, rewards, terminated, truncated, self.params, self.options
+        )
+        if bad >= 0:
+            raise ValueError(f"action of env {bad} is {actions[bad]}; every entry must be finite. Nothing was stepped")
+        return obs, rewards, terminated, truncated
+
+    def reset(self, rows: np.ndarray, keys: np.ndarray, obs: np.ndarray) -> None:
+        """Start the given rows afresh and write their observations."""
+        self.states[rows] = np.zeros((), self.states.dtype)
+        self.rows.reset(self.states, rows, keys, obs, self.params, self.options)
+
+    def load(self, states: Any, rows: np.ndarray) -> None:
+        """Overwrite the given rows with saved records, after checking them."""
+        given = np.atleast_1d(np.asarray(states))
+        if given.dtype != self.states.dtype:
+            raise ValueError(f"state has dtype {given.dtype}; give what get_state() returned for this task and scene")
+        if given.shape != (len(rows),):
+            raise ValueError(f"state has shape {given.shape}; give {len(rows)} records")
+        for name in given.dtype.names or ():
+            if given[name].dtype.kind == "f" and not np.isfinite(given[name]).all():
+                raise ValueError(f"state field {name!r} is not finite; give what get_state() returned")
+        self.states[rows] = given
+
+    def observe(self) -> np.ndarray:
+        """Fresh observations of all rows."""
+        obs = np.empty((len(self.states), self.widths[0]), np.float32)
+        self.rows.observe(self.states, obs, self.params, self.options)
+        return obs
+
+    def metrics(self, rows: np.ndarray) -> dict[str, np.ndarray]:
+        """Domain metrics of the given rows' episodes so far, one array per name."""
+        return dict(self.task.metrics(self.states[rows], self.scene))
+
+
+def _scenario_keys(options: Mapping[str, Any] | None, n: int) -> np.ndarray | None:
+    """The episode keys that `options` ask for, checked, or None."""
+    scenario = (options or {}).get("scenario")
+    if scenario is None:
+        return None
+    keys = np.broadcast_to(np.asarray(scenario), (n,)) if np.ndim(scenario) == 0 else np.asarray(scenario)
+    if keys.shape != (n,) or keys.dtype.kind not in "iu" or (keys.dtype.kind == "i" and (keys < 0).any()):
+        raise ValueError(f"options['scenario'] = {scenario!r}; give an integer in [0, 2^64), or one for each of {n} envs")
+    return keys.astype(np.uint64)
+
+
+def _check_options(options: Mapping[str, Any] | None, allowed: tuple[str, ...]) -> None:
+    for key in options or {}:
+        if key not in allowed:
+            raise ValueError(f"reset option {key!r} is unknown; allowed: {', '.join(allowed)}")
+    if options and options.get("scenario") is not None and options.get("state") is not None:
+        raise ValueError("reset options 'scenario' and 'state' exclude each other; give one")
+
+
+class ScalarEnv(gym.Env[np.ndarray, np.ndarray]):
+    """One environment. Subclasses set `task` and document it."""
+
+    task: ClassVar[Task]
+    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array", "human"], "render_fps": 30}
+
+    def __init__(self, scene: str | Mapping[str, Any] | None = None, render_mode: str | None = None) -> None:
+        """See the class for the scenes; `render_mode` is None, "rgb_array" or "human"."""
+        if render_mode is not None and render_mode not in self.metadata["render_modes"]:
+            raise ValueError(f"render_mode = {render_mode!r}; choose one of {self.metadata['render_modes']} or None")
+        self.world = World(self.task, scene, 1)
+        self.observation_space = self.world.observation_space
+        self.action_space = self.world.action_space
+        self.render_mode = render_mode
+        self._live = np.ones(1, np.bool_)
+        self._row = np.zeros(1, np.intp)
+        self._ready = False
+        self._limit = NO_LIMIT
+        self._painter: Any = None
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
+        """Start an episode; `options` may hold "scenario" (an episode key) or "state" (a saved record)."""
+        _check_options(options, ("scenario", "state"))
+        keys = _scenario_keys(options, 1)
+        super().reset(seed=seed)
+        if self.spec is not None and self.spec.max_episode_steps is not None:
+            self._limit = self.spec.max_episode_steps
+        if options and options.get("state") is not None:
+            self.set_state(options["state"])
+            obs = self.world.observe()
+        else:
+            keys = np.array([episode_key(self.np_random)]) if keys is None else keys
+            obs = np.empty((1, self.world.widths[0]), np.float32)
+            self.world.reset(self._row, keys, obs)
+        self._ready = True
+        if self.render_mode == "human":
+            self.render()
+        return obs[0], {}
+
+    def step(self, action: Any) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
+        """Move by one control interval. The last step's info holds the episode's metrics.
+
+        Raises:
+            ValueError: wrong shape or non-finite action; the environment is unchanged.
+            ResetNeeded: before the first reset, or after termination.
+        """
+        if not self._ready:
+            raise ResetNeeded("the episode has ended or has not begun; call reset() before step()")
+        actions = self.world.actions(action, (self.world.widths[1],))
+        obs, rewards, terminated, truncated = self.world.step(actions, self._live, self._limit)
+        info: dict[str, Any] = {}
+        if terminated[0] or truncated[0]:
+            info = {name: values[0] for name, values in self.world.metrics(self._row).items()}
+            self._ready = not terminated[0]
+        if self.render_mode == "human":
+            self.render()
+        return obs[0], float(rewards[0]), bool(terminated[0]), False, info
+
+    def get_state(self) -> np.void:
+        """A copy of the record: with it and the actions, the episode replays to the same bytes."""
+        return self.world.states[0].copy()
+
+    def set_state(self, state: Any) -> None:
+        """Go to a record that `get_state` returned. A TimeLimit wrapper keeps its own count of steps."""
+        self.world.load(state, self._row)
+        self._ready = True
+
+    def render(self) -> Any:
+        """A picture of the present state: (height, width, 3) uint8, or None in "human" mode."""
+        if self.render_mode is None:
+            gym.logger.warn('render() does nothing without a render_mode; give render_mode="rgb_array" to gym.make')
+            return None
+        if self._painter is None:
+            from vr_envs.render import painter
+
+            self._painter = painter(self.task.name, self.world.scene, self.render_mode)
+        return self._painter.draw(self.world.states[0])
+
+    def close(self) -> None:
+        """Close the window, if one is open."""
+        if self._painter is not None:
+            self._painter.close()
+            self._painter = None
+
+
+class BatchEnv(gym.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
+    """`num_envs` environments in one call, identical to a SyncVectorEnv of ScalarEnv."""
+
+    task: ClassVar[Task]
+    metadata: dict[str, Any] = {"render_modes": [], "render_fps": 30}
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        scene: str | Mapping[str, Any] | None = None,
+        max_episode_steps: int | None = None,
+        autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
+        render_mode: str | None = None,
+    ) -> None:
+        """See the scalar class for the scenes.
+
+        Args:
+            num_envs: number of rows, at least 1.
+            scene: preset or overrides, the same for all rows.
+            max_episode_steps: control intervals after which a row is truncated; None is never.
+            autoreset_mode: a member of AutoresetMode, its name ("NEXT_STEP") or its value ("NextStep").
+            render_mode: None; a batch draws no pictures.
+        """
+        if isinstance(num_envs, bool) or not isinstance(num_envs, int | np.integer) or num_envs < 1:
+            raise ValueError(f"num_envs = {num_envs!r}; give a whole number of at least 1")
+        if max_episode_steps is not None and max_episode_steps < 1:
+            raise ValueError(f"max_episode_steps = {max_episode_steps!r}; give a whole number of at least 1, or None")
+        if render_mode is not None:
+            raise ValueError(f"render_mode = {render_mode!r}: a batch draws no pictures; use gym.make for one environment")
+        self.autoreset_mode = _autoreset_mode(autoreset_mode)
+        self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode}
+        self.num_envs = int(num_envs)
+        self.world = World(self.task, scene, self.num_envs)
+        self.single_observation_space = self.world.observation_space
+        self.single_action_space = self.world.action_space
+        self.observation_space = batch_space(self.single_observation_space, self.num_envs)
+        self.action_space = batch_space(self.single_action_space, self.num_envs)
+        self._limit = NO_LIMIT if max_episode_steps is None else int(max_episode_steps)
+        self._generators: list[np.random.Generator | None] = [None] * self.num_envs
+        self._seeds: list[int] = [-1] * self.num_envs
+        self._done = np.zeros(self.num_envs, np.bool_)
+        self._live = np.ones(self.num_envs, np.bool_)
+        self._ready = np.zeros(self.num_envs, np.bool_)
+
+    @property
+    def np_random(self) -> tuple[np.random.Generator, ...]:  # type: ignore[override]
+        """One generator per row, as a SyncVectorEnv has."""
+        return tuple(self._generator(i) for i in range(self.num_envs))
+
+    @property
+    def np_random_seed(self) -> tuple[int, ...]:  # type: ignore[override]
+        """One seed per row."""
+        return tuple(self._seeds[i] for i in range(self.num_envs) if self._generator(i))
+
+    def _generator(self, row: int) -> np.random.Generator:
+        generator = self._generators[row]
+        if generator is None:
+            generator, self._seeds[row] = seeding.np_random()
+            self._generators[row] = generator
+        return generator
+
+    def _keys(self, rows: np.ndarray) -> np.ndarray:
+        return np.fromiter((episode_key(self._generator(i)) for i in rows), np.uint64, len(rows))
+
+    def reset(  # type: ignore[override]
+        self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
+        """Start episodes in all rows, or in those of `options["reset_mask"]` (the others stay as they are).
+
+        `options` may also hold "scenario" (an episode key for all, or one each) or "state" (n saved records).
+        Row i is seeded with `seed + i`.
+        """
+        _check_options(options, ("scenario", "state", "reset_mask"))
+        keys = _scenario_keys(options, self.num_envs)
+        rows = np.flatnonzero(self._mask((options or {}).get("reset_mask")))
+        if seed is not None:
+            seeds = list(seed) if isinstance(seed, list | tuple) else [seed + i for i in range(self.num_envs)]
+            if len(seeds) != self.num_envs:
+                raise ValueError(f"{len(seeds)} seeds for {self.num_envs} envs; give one each")
+            for i in rows:
+                if seeds[i] is not None:
+                    self._generators[i], self._seeds[i] = seeding.np_random(seeds[i])
+        if options and options.get("state") is not None:
+            given = np.atleast_1d(np.asarray(options["state"]))
+            self.world.load(given if len(given) == len(rows) else given[rows], rows)
+        else:
+            unseen = np.empty((self.num_envs, self.world.widths[0]), np.float32)
+            self.world.reset(rows, self._keys(rows) if keys is None else keys[rows], unseen)
+        self._done[rows] = False
+        self._ready[rows] = True
+        return self.world.observe(), {}
+
+    def _mask(self, mask: Any) -> np.ndarray:
+        if mask is None:
+            return np.ones(self.num_envs, np.bool_)
+        if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_ or mask.shape != (self.num_envs,) or not mask.any():
+            raise ValueError(f"options['reset_mask'] = {mask!r}; give a bool array of shape ({self.num_envs},) with a True")
+        return mask
+
+    def step(self, actions: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+        """Move every row by one control interval; every returned array is fresh.
+
+        Raises:
+            ValueError: wrong shape or non-finite actions (the message names the env); nothing is stepped.
+            ResetNeeded: before the first reset, or, in DISABLED mode, while a finished row has not been reset.
+        """
+        if not self._ready.all():
+            raise ResetNeeded(f"env {int(np.argmin(self._ready))} has not begun an episode; call reset() before step()")
+        if self.autoreset_mode is AutoresetMode.DISABLED and self._done.any():
+            raise ResetNeeded(f"env {int(np.argmax(self._done))} has ended; reset it with options={{'reset_mask': ...}}")
+        stale = self._done if self.autoreset_mode is AutoresetMode.NEXT_STEP else np.zeros(self.num_envs, np.bool_)
+        batch = self.world.actions(actions, (self.num_envs, self.world.widths[1]))
+        obs, rewards, terminated, truncated = self.world.step(batch, ~stale, self._limit)
+        done = terminated | truncated
+        infos = self._end_infos(done) if done.any() else {}
+        if self.autoreset_mode is AutoresetMode.SAME_STEP:
+            if done.any():
+                infos = self._final(done, obs, infos)
+            stale = done
+        if stale.any():
+            rows = np.flatnonzero(stale)
+            self.world.reset(rows, self._keys(rows), obs)
+        self._done = done
+        return obs, rewards, terminated, truncated, infos
+
+    def _end_infos(self, done: np.ndarray) -> dict[str, Any]:
+        """Metrics of the rows that ended, in the layout of `VectorEnv._add_info`."""
+        infos: dict[str, Any] = {}
+        for name, values in self.world.metrics(np.flatnonzero(done)).items():
+            column = np.zeros(self.num_envs, values.dtype)
+            column[done] = values
+            infos[name], infos[f"_{name}"] = column, done.copy()
+        return infos
+
+    def _final(self, done: np.ndarray, obs: np.ndarray, infos: dict[str, Any]) -> dict[str, Any]:
+        final_obs = np.full(self.num_envs, None, dtype=object)
+        for i in np.flatnonzero(done):
+            final_obs[i] = obs[i].copy()
+        return {"final_obs": final_obs, "_final_obs": done.copy(), "final_info": infos, "_final_info": done.copy()}
+
+    def get_state(self) -> np.ndarray:
+        """A copy of all records, shape (num_envs,)."""
+        return self.world.states.copy()
+
+    def set_state(self, states: Any) -> None:
+        """Go to records that `get_state` returned."""
+        self.world.load(states, np.arange(self.num_envs))
+        self._done[:] = False
+        self._ready[:] = True
+
+
+def _autoreset_mode(given: str | AutoresetMode) -> AutoresetMode:
+    if isinstance(given, AutoresetMode):
+        return given
+    for mode in AutoresetMode:
+        if given in (mode.name, mode.value):
+            return mode
+    raise ValueError(f"autoreset_mode = {given!r}; choose one of {', '.join(m.name for m in AutoresetMode)}")

@@ -1,0 +1,81 @@
+"""The loops over rows, written once for every task: a plain serial loop over the functions for one record."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from vr_envs.envs.task import Task
+from vr_envs.models.jit import kernel
+
+
+class Rows(NamedTuple):
+    """Compiled row loops of a task.
+
+    `reset(states, rows, keys, obs, params, options)`: start afresh the given rows from the given keys.
+    `step(states, actions, live, limit, obs, rewards, terminated, truncated, params, options) -> int`: move the
+    live rows by one control interval; -1, or the index of the first row with a non-finite action (then nothing
+    has changed). Actions are clipped to [-1, 1] in place.
+    `observe(states, obs, params, options)`: observations of all rows.
+    """
+
+    reset: Any
+    step: Any
+    observe: Any
+
+
+@kernel
+def admit(actions: np.ndarray) -> int:
+    """Clip a batch of actions to [-1, 1] in place; return the first row with a non-finite entry, or -1."""
+    for i in range(actions.shape[0]):
+        for j in range(actions.shape[1]):
+            if not np.isfinite(actions[i, j]):
+                return i
+    for i in range(actions.shape[0]):
+        for j in range(actions.shape[1]):
+            actions[i, j] = min(1.0, max(-1.0, actions[i, j]))
+    return -1
+
+
+def _build(start: Any, advance: Any, outcome: Any, observe: Any) -> Rows:
+    @kernel
+    def reset_rows(states, rows, keys, obs, params, options):  # type: ignore[no-untyped-def]
+        for k in range(rows.shape[0]):
+            i = rows[k]
+            states[i].key = keys[k]
+            states[i].steps = 0
+            start(states[i], params, *options)
+            observe(states[i], obs[i], params, *options)
+
+    @kernel
+    def step_rows(states, actions, live, limit, obs, rewards, terminated, truncated, params, options):  # type: ignore[no-untyped-def]
+        bad = admit(actions)
+        if bad >= 0:
+            return bad
+        for i in range(states.shape[0]):
+            if live[i]:
+                advance(states[i], actions[i], params, *options)
+                states[i].steps += 1
+                rewards[i], terminated[i] = outcome(states[i], actions[i], params, *options)
+                truncated[i] = states[i].steps >= limit
+                observe(states[i], obs[i], params, *options)
+        return -1
+
+    @kernel
+    def observe_rows(states, obs, params, options):  # type: ignore[no-untyped-def]
+        for i in range(states.shape[0]):
+            observe(states[i], obs[i], params, *options)
+
+    return Rows(reset_rows, step_rows, observe_rows)
+
+
+@cache
+def _build_once(start: Any, advance: Any, outcome: Any, observe: Any) -> Rows:
+    return _build(start, advance, outcome, observe)
+
+
+def rows_of(task: Task) -> Rows:
+    """The compiled row loops of `task`."""
+    return _build_once(task.start, task.advance, task.outcome, task.observe)

@@ -1,0 +1,96 @@
+"""Scenes: a preset's name or a dict of overrides becomes one checked, fully resolved set of parameters.
+
+A scene is JSON-able: `"bell"`, `{"restitution": 0.8}` (over the default preset) or
+`{"base": "bell", "scatter": None, "spin": True}`. An option is None (absent: compiled away), True (present with
+its defaults) or a dict of overrides of its fields.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import difflib
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vr_envs.models.record import checked, pack
+
+if TYPE_CHECKING:
+    from vr_envs.envs.task import Task
+
+
+@dataclasses.dataclass(frozen=True)
+class Scene:
+    """A resolved scene: `params` and one entry per option (None when absent), as dataclass instances."""
+
+    name: str
+    params: Any
+    options: dict[str, Any]
+
+    def records(self) -> tuple[np.void, tuple[np.void | None, ...]]:
+        """The records that kernels take: (params, options in kernel order)."""
+        return pack(self.params), tuple(None if o is None else pack(o) for o in self.options.values())
+
+    def as_dict(self) -> dict[str, Any]:
+        """Every resolved value, JSON-able; `resolve(task, scene.as_dict())` gives the same scene."""
+        options = {k: None if o is None else dataclasses.asdict(o) for k, o in self.options.items()}
+        return {"base": self.name, **dataclasses.asdict(self.params), **options}
+
+
+def _unknown(key: str, allowed: list[str], where: str) -> ValueError:
+    close = difflib.get_close_matches(str(key), allowed, n=1)
+    hint = f"; did you mean {close[0]!r}?" if close else ""
+    return ValueError(f"{where} has no key {key!r}{hint} Allowed: {', '.join(allowed)}")
+
+
+def _field_names(cls: type) -> list[str]:
+    return [f.name for f in dataclasses.fields(cls)]
+
+
+def _merge(task: Task, merged: dict[str, Any], overrides: Mapping[str, Any], where: str) -> None:
+    """Lay `overrides` over `merged`; dicts of an option are laid over that option's earlier dict."""
+    params = _field_names(task.params)
+    allowed = ["base", *params, *task.options]
+    for key, value in overrides.items():
+        if key == "base":
+            continue
+        if key in params:
+            merged[key] = value
+        elif key not in task.options:
+            raise _unknown(key, allowed, where)
+        elif value is None or value is False:
+            merged[key] = None
+        elif value is True or isinstance(value, Mapping):
+            earlier = merged.get(key) or {}
+            merged[key] = {**earlier, **({} if value is True else value)}
+        else:
+            raise ValueError(f"{where}: option {key!r} = {value!r}; give null, true or a dict of its fields")
+
+
+def resolve(task: Task, scene: str | Mapping[str, Any] | None = None) -> Scene:
+    """Resolve and check a scene of `task`; None is the task's default preset.
+
+    Raises:
+        ValueError: unknown preset or key, wrong type, non-finite or out-of-range value; it names all three.
+    """
+    overrides: Mapping[str, Any] = {} if scene is None or isinstance(scene, str) else scene
+    if not isinstance(overrides, Mapping):
+        raise ValueError(f"scene = {scene!r} is not allowed; give a preset's name or a dict of overrides")
+    base = scene if isinstance(scene, str) else overrides.get("base", task.default_scene)
+    if base not in task.scenes:
+        raise ValueError(f"{task.name} has no scene {base!r}; choose one of {', '.join(task.scenes)}")
+    merged: dict[str, Any] = {}
+    _merge(task, merged, task.scenes[base], f"preset {base!r}")
+    _merge(task, merged, overrides, f"scene of {task.name}")
+    options: dict[str, Any] = {}
+    for name, cls in task.options.items():
+        values = merged.pop(name, None)
+        if values is not None:
+            for key in values:
+                if key not in _field_names(cls):
+                    raise _unknown(key, _field_names(cls), f"option {name!r} of {task.name}")
+        options[name] = None if values is None else checked(cls, values, f"{name}.")
+    resolved = Scene(base, checked(task.params, merged, ""), options)
+    task.validate(resolved)
+    return resolved

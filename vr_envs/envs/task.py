@@ -1,0 +1,54 @@
+"""A task: what turns a model into an environment. Data and compiled functions; knows no Gymnasium class."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from vr_envs.envs.scene import Scene
+
+
+@dataclasses.dataclass(frozen=True)
+class Channel:
+    """One number of an observation or action: its name, its physical range and unit, and what it means."""
+
+    name: str
+    unit: str
+    doc: str
+    low: float = -1.0
+    high: float = 1.0
+
+
+def _accept(scene: Scene) -> None:
+    """No constraint between the values of a scene."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Task:
+    """Everything that the environment classes need to know of one system.
+
+    The kernels take one record each, and every option record (or None) by position, in the order of `options`:
+    `start(state, params, *options)` (the key is already in `state.key`),
+    `advance(state, action, params, *options)`, `outcome(state, action, params, *options) -> (reward, terminated)`,
+    `observe(state, row, params, *options)`. A state has the fields `key` (u8) and `steps` (i8), kept by the caller.
+    """
+
+    name: str
+    params: type
+    options: dict[str, type]
+    state: type
+    scenes: dict[str, dict[str, Any]]
+    default_scene: str
+    levels: dict[str, dict[str, Any]]
+    start: Any
+    advance: Any
+    outcome: Any
+    observe: Any
+    observation_channels: Callable[[Scene], tuple[Channel, ...]]
+    action_channels: Callable[[Scene], tuple[Channel, ...]]
+    metrics: Callable[[np.ndarray, Scene], Mapping[str, np.ndarray]]
+    dt: Callable[[Scene], float]
+    validate: Callable[[Scene], None] = _accept

@@ -1,0 +1,1 @@
+"""Physics: compiled kernels on records of numbers in SI units. Imports math, numpy and numba only."""

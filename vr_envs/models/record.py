@@ -1,0 +1,90 @@
+"""Records: a frozen dataclass in SI units becomes a NumPy structured dtype that kernels read and write.
+
+A dataclass stores independent quantities only. What follows from them is a property named in the class
+attribute `DERIVED`; it is computed once, when the record is packed, and stands in the record as a float64.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+_NUMPY_TYPES = {"float": "f8", "int": "i8", "bool": "?", "key": "u8"}
+
+
+def quantity(
+    default: Any,
+    unit: str,
+    doc: str,
+    *,
+    low: float = -math.inf,
+    high: float = math.inf,
+    choices: tuple[str, ...] | None = None,
+    shape: tuple[int, ...] = (),
+    kind: str | None = None,
+) -> Any:
+    """Declare one field of a record: its default, unit, meaning and allowed range [low, high].
+
+    A text field has `choices`; it does not enter the record, what follows from it does (`DERIVED`).
+    `shape` declares an array in a state; `kind="key"` an unsigned 64-bit integer.
+    """
+    metadata = {"unit": unit, "doc": doc, "low": low, "high": high, "choices": choices, "shape": shape, "kind": kind}
+    return dataclasses.field(default=default, metadata=metadata)
+
+
+def _kind(field: dataclasses.Field[Any]) -> str:
+    return field.metadata["kind"] or str(field.type)
+
+
+@cache
+def dtype_of(cls: type) -> np.dtype[Any]:
+    """Aligned structured dtype of a record class: its numeric fields, then the names in `DERIVED`."""
+    columns: list[Any] = [
+        (f.name, _NUMPY_TYPES[_kind(f)], f.metadata["shape"]) for f in dataclasses.fields(cls) if _kind(f) != "str"
+    ]
+    columns += [(name, "f8") for name in getattr(cls, "DERIVED", ())]
+    return np.dtype(columns, align=True)
+
+
+def pack(instance: Any) -> np.void:
+    """The record of a dataclass instance, as a NumPy void that kernels take by reference."""
+    row = np.zeros(1, dtype_of(type(instance)))
+    for name in row.dtype.names or ():
+        row[name] = getattr(instance, name)
+    return row[0]
+
+
+def checked(cls: type, values: dict[str, Any], where: str) -> Any:
+    """An instance of `cls` from `values`; a value of the wrong type, size or range is a ValueError that says so."""
+    fields = {f.name: f for f in dataclasses.fields(cls)}
+    clean = {}
+    for name, given in values.items():
+        field = fields[name]
+        low, high, unit = field.metadata["low"], field.metadata["high"], field.metadata["unit"]
+        label = f"{where}{name}"
+        if _kind(field) == "str":
+            choices = field.metadata["choices"]
+            if given not in choices:
+                raise ValueError(f"{label} = {given!r} is not allowed; choose one of {', '.join(choices)}")
+            clean[name] = given
+            continue
+        if _kind(field) == "bool":
+            if not isinstance(given, bool | np.bool_):
+                raise ValueError(f"{label} = {given!r} is not allowed; give true or false")
+            clean[name] = bool(given)
+            continue
+        if isinstance(given, bool | np.bool_) or not isinstance(given, int | float | np.integer | np.floating):
+            raise ValueError(f"{label} = {given!r} is not a number; give {unit or 'a number'} in [{low:g}, {high:g}]")
+        if not math.isfinite(given) or not low <= given <= high:
+            raise ValueError(f"{label} = {given!r} is not allowed; it must be finite and in [{low:g}, {high:g}] {unit}".rstrip())
+        if _kind(field) == "int":
+            if int(given) != given:
+                raise ValueError(f"{label} = {given!r} is not a whole number")
+            clean[name] = int(given)
+        else:
+            clean[name] = float(given)
+    return cls(**clean)
