@@ -39,6 +39,7 @@ class World:
     """`n` records of one task in one scene, and the kernels that move them."""
 
     def __init__(self, task: Task, scene: str | Mapping[str, Any] | None, n: int) -> None:
+        """`n` zeroed records of `task` in `scene`."""
         self.task = task
         self.scene = resolve(task, scene)
         self.params, self.options = self.scene.records()
@@ -106,7 +107,9 @@ def _scenario_keys(options: Mapping[str, Any] | None, n: int) -> np.ndarray | No
         return None
     keys = np.broadcast_to(np.asarray(scenario), (n,)) if np.ndim(scenario) == 0 else np.asarray(scenario)
     if keys.shape != (n,) or keys.dtype.kind not in "iu" or (keys.dtype.kind == "i" and (keys < 0).any()):
-        raise ValueError(f"options['scenario'] = {scenario!r}; give an integer in [0, 2^64), or one for each of {n} envs")
+        raise ValueError(
+            f"options['scenario'] = {scenario!r}; give an integer in [0, 2^64), or one for each of {n} envs"
+        )
     return keys.astype(np.uint64)
 
 
@@ -138,7 +141,9 @@ class ScalarEnv(gym.Env[np.ndarray, np.ndarray]):
         self._limit = NO_LIMIT
         self._painter: Any = None
 
-    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
         """Start an episode; `options` may hold "scenario" (an episode key) or "state" (a saved record)."""
         _check_options(options, ("scenario", "state"))
         keys = _scenario_keys(options, 1)
@@ -231,7 +236,9 @@ class BatchEnv(gym.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         if max_episode_steps is not None and max_episode_steps < 1:
             raise ValueError(f"max_episode_steps = {max_episode_steps!r}; give a whole number of at least 1, or None")
         if render_mode is not None:
-            raise ValueError(f"render_mode = {render_mode!r}: a batch draws no pictures; use gym.make for one environment")
+            raise ValueError(
+                f"render_mode = {render_mode!r}: a batch draws no pictures; use gym.make for one environment"
+            )
         self.autoreset_mode = _autoreset_mode(autoreset_mode)
         self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode}
         self.num_envs = int(num_envs)
@@ -298,8 +305,15 @@ class BatchEnv(gym.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
     def _mask(self, mask: Any) -> np.ndarray:
         if mask is None:
             return np.ones(self.num_envs, np.bool_)
-        if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_ or mask.shape != (self.num_envs,) or not mask.any():
-            raise ValueError(f"options['reset_mask'] = {mask!r}; give a bool array of shape ({self.num_envs},) with a True")
+        if (
+            not isinstance(mask, np.ndarray)
+            or mask.dtype != np.bool_
+            or mask.shape != (self.num_envs,)
+            or not mask.any()
+        ):
+            raise ValueError(
+                f"options['reset_mask'] = {mask!r}; give a bool array of shape ({self.num_envs},) with a True"
+            )
         return mask
 
     def step(self, actions: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
@@ -312,7 +326,9 @@ class BatchEnv(gym.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         if not self._ready.all():
             raise ResetNeeded(f"env {int(np.argmin(self._ready))} has not begun an episode; call reset() before step()")
         if self.autoreset_mode is AutoresetMode.DISABLED and self._done.any():
-            raise ResetNeeded(f"env {int(np.argmax(self._done))} has ended; reset it with options={{'reset_mask': ...}}")
+            raise ResetNeeded(
+                f"env {int(np.argmax(self._done))} has ended; reset it with options={{'reset_mask': ...}}"
+            )
         stale = self._done if self.autoreset_mode is AutoresetMode.NEXT_STEP else np.zeros(self.num_envs, np.bool_)
         batch = self.world.actions(actions, (self.num_envs, self.world.widths[1]))
         obs, rewards, terminated, truncated = self.world.step(batch, ~stale, self._limit)

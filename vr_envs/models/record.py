@@ -80,7 +80,9 @@ def checked(cls: type, values: dict[str, Any], where: str) -> Any:
         if isinstance(given, bool | np.bool_) or not isinstance(given, int | float | np.integer | np.floating):
             raise ValueError(f"{label} = {given!r} is not a number; give {unit or 'a number'} in [{low:g}, {high:g}]")
         if not math.isfinite(given) or not low <= given <= high:
-            raise ValueError(f"{label} = {given!r} is not allowed; it must be finite and in [{low:g}, {high:g}] {unit}".rstrip())
+            raise ValueError(
+                f"{label} = {given!r} is not allowed; it must be finite and in [{low:g}, {high:g}] {unit}".rstrip()
+            )
         if _kind(field) == "int":
             if int(given) != given:
                 raise ValueError(f"{label} = {given!r} is not a whole number")
