@@ -58,35 +58,32 @@ def pack(instance: Any) -> np.void:
     return row[0]
 
 
+def checked_value(field: dataclasses.Field[Any], given: Any, label: str) -> Any:
+    """`given` as the type of `field`; a value of the wrong type, size or range is a ValueError that says so."""
+    low, high, unit = field.metadata["low"], field.metadata["high"], field.metadata["unit"]
+    if _kind(field) == "str":
+        choices = field.metadata["choices"]
+        if given not in choices:
+            raise ValueError(f"{label} = {given!r} is not allowed; choose one of {', '.join(choices)}")
+        return given
+    if _kind(field) == "bool":
+        if not isinstance(given, bool | np.bool_):
+            raise ValueError(f"{label} = {given!r} is not allowed; give true or false")
+        return bool(given)
+    if isinstance(given, bool | np.bool_) or not isinstance(given, int | float | np.integer | np.floating):
+        raise ValueError(f"{label} = {given!r} is not a number; give {unit or 'a number'} in [{low:g}, {high:g}]")
+    if not math.isfinite(given) or not low <= given <= high:
+        raise ValueError(
+            f"{label} = {given!r} is not allowed; it must be finite and in [{low:g}, {high:g}] {unit}".rstrip()
+        )
+    if _kind(field) == "int":
+        if int(given) != given:
+            raise ValueError(f"{label} = {given!r} is not a whole number")
+        return int(given)
+    return float(given)
+
+
 def checked(cls: type, values: dict[str, Any], where: str) -> Any:
-    """An instance of `cls` from `values`; a value of the wrong type, size or range is a ValueError that says so."""
+    """An instance of `cls` from `values`, each checked by `checked_value`; `where` precedes its name in errors."""
     fields = {f.name: f for f in dataclasses.fields(cls)}
-    clean = {}
-    for name, given in values.items():
-        field = fields[name]
-        low, high, unit = field.metadata["low"], field.metadata["high"], field.metadata["unit"]
-        label = f"{where}{name}"
-        if _kind(field) == "str":
-            choices = field.metadata["choices"]
-            if given not in choices:
-                raise ValueError(f"{label} = {given!r} is not allowed; choose one of {', '.join(choices)}")
-            clean[name] = given
-            continue
-        if _kind(field) == "bool":
-            if not isinstance(given, bool | np.bool_):
-                raise ValueError(f"{label} = {given!r} is not allowed; give true or false")
-            clean[name] = bool(given)
-            continue
-        if isinstance(given, bool | np.bool_) or not isinstance(given, int | float | np.integer | np.floating):
-            raise ValueError(f"{label} = {given!r} is not a number; give {unit or 'a number'} in [{low:g}, {high:g}]")
-        if not math.isfinite(given) or not low <= given <= high:
-            raise ValueError(
-                f"{label} = {given!r} is not allowed; it must be finite and in [{low:g}, {high:g}] {unit}".rstrip()
-            )
-        if _kind(field) == "int":
-            if int(given) != given:
-                raise ValueError(f"{label} = {given!r} is not a whole number")
-            clean[name] = int(given)
-        else:
-            clean[name] = float(given)
-    return cls(**clean)
+    return cls(**{name: checked_value(fields[name], given, f"{where}{name}") for name, given in values.items()})
