@@ -38,9 +38,10 @@ class Scene:
         return {"base": self.name, **dataclasses.asdict(self.params), **options}
 
 
-def _unknown(key: str, allowed: list[str], where: str) -> ValueError:
+def unknown_key(key: str, allowed: list[str], where: str) -> ValueError:
+    """The error for a key that `where` does not have: it names the closest match and all that are allowed."""
     close = difflib.get_close_matches(str(key), allowed, n=1)
-    hint = f"; did you mean {close[0]!r}?" if close else ""
+    hint = f"; did you mean {close[0]!r}?" if close else "."
     return ValueError(f"{where} has no key {key!r}{hint} Allowed: {', '.join(allowed)}")
 
 
@@ -58,7 +59,7 @@ def _merge(task: Task, merged: dict[str, Any], overrides: Mapping[str, Any], whe
         if key in params:
             merged[key] = value
         elif key not in task.options:
-            raise _unknown(key, allowed, where)
+            raise unknown_key(key, allowed, where)
         elif value is None or value is False:
             merged[key] = None
         elif value is True or isinstance(value, Mapping):
@@ -89,7 +90,7 @@ def resolve(task: Task, scene: str | Mapping[str, Any] | None = None) -> Scene:
         if values is not None:
             for key in values:
                 if key not in _field_names(cls):
-                    raise _unknown(key, _field_names(cls), f"option {name!r} of {task.name}")
+                    raise unknown_key(key, _field_names(cls), f"option {name!r} of {task.name}")
         options[name] = None if values is None else checked(cls, values, f"{name}.")
     resolved = Scene(base, checked(task.params, merged, ""), options)
     task.validate(resolved)
