@@ -1,0 +1,1 @@
+"""Roll any policy out on fixed, paired scenarios; metrics with intervals."""
