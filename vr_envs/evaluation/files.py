@@ -23,18 +23,17 @@ def plain(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def write_json(path: str | os.PathLike[str], value: Any) -> str:
-    """Write `value` as indented JSON, all or nothing; returns the text.
+def write_bytes(path: str | os.PathLike[str], content: bytes) -> None:
+    """Write a file, all or nothing.
 
     Raises:
         OSError: the folder is missing or cannot be written.
     """
-    text = json.dumps(plain(value), indent=2, allow_nan=False) + "\n"
     target = Path(path)
     handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
     try:
-        with os.fdopen(handle, "w") as file:
-            file.write(text)
+        with os.fdopen(handle, "wb") as file:
+            file.write(content)
         umask = os.umask(0)
         os.umask(umask)
         os.chmod(temporary, 0o666 & ~umask)  # mkstemp makes the file private
@@ -42,4 +41,14 @@ def write_json(path: str | os.PathLike[str], value: Any) -> str:
     except BaseException:
         os.unlink(temporary)
         raise
+
+
+def write_json(path: str | os.PathLike[str], value: Any) -> str:
+    """Write `value` as indented JSON, all or nothing; returns the text.
+
+    Raises:
+        OSError: the folder is missing or cannot be written.
+    """
+    text = json.dumps(plain(value), indent=2, allow_nan=False) + "\n"
+    write_bytes(path, text.encode())
     return text
