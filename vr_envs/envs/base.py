@@ -148,8 +148,9 @@ class ScalarEnv(gym.Env[np.ndarray, np.ndarray]):
         _check_options(options, ("scenario", "state"))
         keys = _scenario_keys(options, 1)
         super().reset(seed=seed)
-        if self.spec is not None and self.spec.max_episode_steps is not None:
-            self._limit = self.spec.max_episode_steps
+        if self.spec is not None:
+            # gym.make strikes the limit from the spec that the environment sees: its TimeLimit wrapper keeps it
+            self._limit = gym.registry[self.spec.id].max_episode_steps or NO_LIMIT
         if options and options.get("state") is not None:
             self.set_state(options["state"])
             obs = self.world.observe()
