@@ -136,7 +136,16 @@ class Cancel:
 def install() -> None:
     """Register the environment, and its laws where the ladder looks for them."""
     if ID not in gym.registry:
-        gym.register(ID, entry_point=ToyEnv, vector_entry_point=ToyBatchEnv, max_episode_steps=LIMIT)
+        gym.register(
+            ID, entry_point="tests.toy:ToyEnv", vector_entry_point="tests.toy:ToyBatchEnv", max_episode_steps=LIMIT
+        )
     laws = types.ModuleType("vr_envs.controllers.toy")
-    laws.BASELINE, laws.LAWS = "proportional", {"proportional": Proportional, "cancel": Cancel}
+    vars(laws).update(BASELINE="proportional", LAWS={"proportional": Proportional, "cancel": Cancel})
     sys.modules["vr_envs.controllers.toy"] = laws
+
+
+def toy_in(monkeypatch, folder) -> str:
+    """Install the toy with its tuned gains in `folder`; its id."""
+    install()
+    monkeypatch.setattr("vr_envs.controllers.ladder.TUNED", folder)
+    return ID

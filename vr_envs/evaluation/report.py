@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 import platform
 from collections.abc import Mapping
 from typing import Any
@@ -19,6 +18,7 @@ from vr_envs.evaluation.files import plain, write_json
 from vr_envs.evaluation.rollout import Rollout, rollout
 from vr_envs.evaluation.scenarios import ScenarioSet, scenario_set
 from vr_envs.evaluation.statistics import Estimate, bootstrap, difference, estimate, iqm, normalised
+from vr_envs.evaluation.table import interval, markdown, number
 
 SUCCESS = "is_success"
 METRICS_SHOWN = 4
@@ -59,12 +59,12 @@ class Report:
         body = [
             [
                 f"{row.policy} (baseline)" if row.policy == self.baseline else row.policy,
-                _interval(row.score),
-                _number(row.iqm.value),
-                _interval(row.normalised),
-                "" if row.policy == self.baseline else _interval(row.difference, sign=True),
+                interval(row.score),
+                number(row.iqm.value),
+                interval(row.normalised),
+                "" if row.policy == self.baseline else interval(row.difference, sign=True),
                 f"{100 * row.success.value:.1f} %",
-                *(_interval(row.metrics[name]) for name in names),
+                *(interval(row.metrics[name]) for name in names),
             ]
             for row in self.rows
         ]
@@ -121,33 +121,6 @@ def versions() -> dict[str, str]:
     }
 
 
-def markdown(head: list[str], body: list[list[str]]) -> str:
-    """A Markdown table with aligned columns, the first to the left and the others to the right."""
-    widths = [max(map(len, column)) for column in zip(head, *body, strict=True)]
-
-    def line(cells: list[str]) -> str:
-        padded = [c.rjust(w) if k else c.ljust(w) for k, (c, w) in enumerate(zip(cells, widths, strict=True))]
-        return f"| {' | '.join(padded)} |"
-
-    rule = [("-" * (w - 1) + ":") if k else "-" * w for k, w in enumerate(widths)]
-    return "\n".join([line(head), line(rule), *map(line, body)])
-
-
-def _number(value: float, sign: bool = False) -> str:
-    """Three decimals for what is of order one, four significant digits beyond."""
-    if math.isnan(value):
-        return "-"
-    digits = ".3f" if abs(value) < 10 else ".4g"
-    return format(round(value, 3) + 0.0, ("+" if sign else "") + digits)  # + 0.0: no minus before a zero
-
-
-def _interval(estimate: Estimate, sign: bool = False) -> str:
-    if math.isnan(estimate.value):
-        return "-"
-    value, low, high = (_number(v, sign) for v in estimate)
-    return f"{value} [{low}, {high}]"
-
-
 def _row(name: str, run: Rollout, nothing: Rollout, baseline: Rollout) -> Row:
     return Row(
         policy=name,
@@ -159,6 +132,19 @@ def _row(name: str, run: Rollout, nothing: Rollout, baseline: Rollout) -> Row:
         length=estimate(run.lengths),
         metrics={key: estimate(values) for key, values in run.metrics.items() if key != SUCCESS},
     )
+
+
+def choose(policies: Mapping[str, Policy], names: list[str] | None) -> list[str]:
+    """`names` once each, or all if None.
+
+    Raises:
+        ValueError: no name at all, or an unknown one; it lists the policies.
+    """
+    chosen = list(policies) if names is None else list(dict.fromkeys(names))
+    for name in chosen or [""]:
+        if name not in policies:
+            raise ValueError(f"there is no policy {name!r} in this scene; choose among {', '.join(policies)}")
+    return chosen
 
 
 def evaluate_ladder(
@@ -192,10 +178,7 @@ def evaluate_ladder(
         if name in policies:
             raise ValueError(f"policy name {name!r} is taken; taken: {', '.join(policies)}")
         policies[name] = policy
-    shown = list(policies) if names is None else names
-    for name in shown:
-        if name not in policies:
-            raise ValueError(f"there is no policy {name!r} in this scene; choose among {', '.join(policies)}")
+    shown = choose(policies, names)
     baseline = baseline_of(scenarios.task)
     needed = [name for name in policies if name in {*shown, NOTHING, baseline}]
     runs = {}

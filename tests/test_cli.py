@@ -1,0 +1,164 @@
+import json
+import subprocess
+import sys
+import types
+
+import numpy as np
+import pytest
+
+from tests.toy import LIMIT
+from vr_envs.__main__ import main
+from vr_envs.cli.render import pace
+
+HEAVY = ("numba", "scipy", "matplotlib", "pygame", "torch", "pymunk", "imageio", "cma")
+
+
+def refused(capsys, *arguments):
+    """The one line on stderr with which a command line is refused."""
+    try:
+        code = main(arguments)
+    except SystemExit as end:
+        code = end.code
+    captured = capsys.readouterr()
+    assert code == 2
+    assert "Traceback" not in captured.err
+    return captured.err.strip().splitlines()[-1]
+
+
+def test_starting_up_loads_nothing_heavy():
+    code = f"import sys, vr_envs.__main__ as m; m.parser(); print([x for x in {HEAVY!r} if x in sys.modules])"
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert result.stdout.strip() == "[]"
+
+
+def test_the_module_is_the_command():
+    result = subprocess.run(
+        [sys.executable, "-m", "vr_envs", "evaluate", "Nothing-v0"], capture_output=True, text=True, check=False
+    )
+    assert result.returncode == 2
+    assert result.stderr.startswith("vr-envs evaluate: error: there is no environment 'Nothing-v0'")
+    assert result.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    "command", [[], ["list"], ["evaluate"], ["render"], ["tune"], ["bench"], ["bench", "speed"]], ids=" ".join
+)
+def test_help_has_examples(capsys, command):
+    with pytest.raises(SystemExit) as end:
+        main([*command, "--help"])
+    assert end.value.code == 0
+    text = capsys.readouterr().out
+    assert text.startswith(f"usage: {' '.join(['vr-envs', *command])}")
+    assert not command or "examples:\n  vr-envs" in text
+
+
+def test_list_one(toy, capsys):
+    assert main(["list", toy, "--scene", '{"base": "biased", "lag": 0.25}']) == 0
+    lines = [[cell.strip() for cell in line.split("|")[1:-1]] for line in capsys.readouterr().out.splitlines()]
+    assert ["parameter", "plain", "biased", "narrow", "yours", "unit", "allowed", "meaning"] in lines
+    assert ["lag", "1", "1", "1", "0.25", "s", "[0.01, 100]", "time constant"] in lines
+    assert ["bias.size", "-", "0.5", "-", "0.5", "", "[-1, 1]", "constant action added by the world"] in lines
+    assert ["0", "push", "[-1, 1]", "1", "share of the full push"] in lines
+
+
+def test_evaluate_prints_a_table_per_level_and_writes_json(toy, capsys, tmp_path):
+    path = tmp_path / "out.json"
+    arguments = ["evaluate", toy, "--scene", "biased", "--level", "all", "--scenarios", "10", "--seed", "2"]
+    assert main([*arguments, "--policies", "cancel, random", "--json", str(path)]) == 0
+    captured = capsys.readouterr()
+    assert captured.err == ""
+    assert captured.out.count("10 held-out scenarios (seed 2)") == 3
+    assert "| cancel" in captured.out
+    assert "| proportional" not in captured.out
+    reports = json.loads(path.read_text())
+    assert [r["level"] for r in reports] == ["nominal", "light", "severe"]
+    assert list(reports[0]["policies"]) == ["cancel", "random"]
+
+
+def test_evaluate_refuses_in_one_line(toy, capsys, tmp_path):
+    assert "choose one of plain, biased, narrow" in refused(capsys, "evaluate", toy, "--scene", "moon")
+    assert "did you mean 'push'?" in refused(capsys, "evaluate", toy, "--scene", '{"pusch": 1}')
+    assert "finite and in [0, 10]" in refused(capsys, "evaluate", toy, "--scene", '{"push": 11}')
+    assert "not JSON" in refused(capsys, "evaluate", toy, "--scene", "{push: 11}")
+    assert "choose among do-nothing" in refused(capsys, "evaluate", toy, "--policies", "best")
+    assert "nominal, light, severe" in refused(capsys, "evaluate", toy, "--level", "hard")
+    assert "at least 2" in refused(capsys, "evaluate", toy, "--scenarios", "1")
+    assert "there is no folder" in refused(capsys, "evaluate", toy, "--json", str(tmp_path / "no" / "out.json"))
+    assert "is a folder" in refused(capsys, "evaluate", toy, "--json", str(tmp_path))
+
+
+def test_tune_stores_and_tells(toy, capsys, tmp_path):
+    assert main(["tune", toy, "--scene", "biased", "--evaluations", "30", "--scenarios", "4"]) == 0
+    out = capsys.readouterr().out
+    assert "best-constant: 0." in out
+    assert f"written to {tmp_path / 'toy.json'}" in out
+    assert set(json.loads((tmp_path / "toy.json").read_text())["biased"]) == {"best-constant", "proportional"}
+    assert "nothing to tune" in refused(capsys, "tune", toy, "--policy", "cancel")
+    assert "at least 30" in refused(capsys, "tune", toy, "--evaluations", "3")
+
+
+def test_bench_speed_prints_and_writes(toy, capsys, tmp_path):
+    path = tmp_path / "speed.json"
+    assert main(["bench", "speed", "--id", toy, "--rows", "1,8", "--repeats", "1", "--json", str(path)]) == 0
+    assert "process_time" in capsys.readouterr().out
+    assert [s["rows"] for s in json.loads(path.read_text())["speeds"]] == [1, 8]
+    assert "no environment 'Toy'" in refused(capsys, "bench", "speed", "--id", "Toy")
+    assert "at least 1" in refused(capsys, "bench", "speed", "--rows", "1,0")
+
+
+class Artist:
+    """Stands in for the pictures: a frame is filled with the step count of the state it shows."""
+
+    def __init__(self, *_):
+        self.closed = False
+
+    def draw(self, state):
+        return np.full((4, 4, 3), state["steps"], np.uint8)
+
+    def close(self):
+        self.closed = True
+
+
+@pytest.fixture
+def film(monkeypatch):
+    written = {}
+    fake = types.ModuleType("vr_envs.render")
+
+    def write_animation(path, frames, fps):
+        written[str(path)] = ([int(f[0, 0, 0]) for f in frames], fps)
+
+    vars(fake).update(painter=Artist, write_animation=write_animation)
+    monkeypatch.setitem(sys.modules, "vr_envs.render", fake)
+    return written
+
+
+def test_render_shows_every_step_to_the_end(toy, film, tmp_path):
+    path = str(tmp_path / "a.gif")
+    assert main(["render", toy, "--out", path]) == 0
+    assert film[path] == (list(range(LIMIT + 1)), 10.0)
+    assert main(["render", toy, "--out", path, "--seconds", "0.5", "--policy", "random", "--scenario", "3"]) == 0
+    assert film[path][0] == [0, 1, 2, 3, 4, 5]
+
+
+def test_render_stops_where_the_episode_ends(toy, film, tmp_path):
+    path = str(tmp_path / "a.mp4")
+    assert main(["render", toy, "--scene", '{"bound": 0.0}', "--out", path]) == 0
+    assert film[path][0] == [0, 1]
+
+
+def test_render_refuses_in_one_line(toy, film, capsys, tmp_path):
+    assert ".gif, .mp4, .png" in refused(capsys, "render", toy, "--out", "film.avi")
+    assert "choose among" in refused(capsys, "render", toy, "--policy", "best")
+    assert "2^64" in refused(capsys, "render", toy, "--scenario", str(2**64))
+    assert "above 0" in refused(capsys, "render", toy, "--seconds", "nan")
+    assert film == {}
+
+
+def test_render_without_its_packages_says_what_to_install(toy, capsys, monkeypatch, tmp_path):
+    monkeypatch.setitem(sys.modules, "vr_envs.render", None)
+    assert 'pip install "vr_envs[render]"' in refused(capsys, "render", toy, "--out", str(tmp_path / "a.gif"))
+
+
+@pytest.mark.parametrize(("dt", "stride", "fps"), [(0.01, 3, 1 / 0.03), (1 / 15, 1, 15.0), (1.0, 1, 10.0)])
+def test_pictures_are_in_real_time_where_steps_are_short(dt, stride, fps):
+    assert pace(dt) == (stride, pytest.approx(fps))

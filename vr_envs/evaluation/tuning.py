@@ -1,0 +1,194 @@
+"""Tune the gains of a law, or the best constant action: CMA-ES on training-side scenarios.
+
+CMA-ES: Hansen and Ostermeier (2001), package `cma`. The search runs in coordinates scaled to [0, 1], a gain whose
+positive range spans a decade or more logarithmically. It starts once from the defaults and once from the best of a
+few random points; the defaults and the best and the mean point of each run then meet on fresh training-side
+scenarios, and the winner there is taken. Held-out scenarios are never seen.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from tqdm import tqdm
+
+from vr_envs.controllers.ladder import CONSTANT, constant, laws_of, tuned_file, tuned_of
+from vr_envs.controllers.policy import Policy
+from vr_envs.envs.scene import Scene
+from vr_envs.envs.task import Task
+from vr_envs.evaluation.files import write_json
+from vr_envs.evaluation.rollout import rollout
+from vr_envs.evaluation.scenarios import ScenarioSet, scenario_set
+
+Gains = dict[str, float]
+DECADE = 10.0
+
+
+@dataclasses.dataclass(frozen=True)
+class Candidate:
+    """A policy with free gains: `ranges` maps a gain's name to (low, high, default), `build` makes the policy."""
+
+    ranges: dict[str, tuple[float, float, float]]
+    build: Callable[[Gains], Policy]
+
+    def gains(self, unit: np.ndarray) -> Gains:
+        """Gains at a point of the unit cube."""
+        found = {}
+        for u, (name, (low, high, _)) in zip(np.clip(unit, 0.0, 1.0), self.ranges.items(), strict=True):
+            value = low * (high / low) ** u if _logarithmic(low, high) else low + u * (high - low)
+            found[name] = float(min(high, max(low, value)))
+        return found
+
+    def default(self) -> np.ndarray:
+        """The defaults as a point of the unit cube."""
+        return np.array(
+            [
+                math.log(default / low) / math.log(high / low)
+                if _logarithmic(low, high)
+                else (default - low) / (high - low)
+                for low, high, default in self.ranges.values()
+            ]
+        )
+
+
+def _logarithmic(low: float, high: float) -> bool:
+    return low > 0.0 and high >= DECADE * low
+
+
+def candidates(task: Task, scene: Scene) -> dict[str, Candidate]:
+    """What can be tuned in `scene`: the constant action, and every law with a gain in its `TUNABLE`."""
+    channels = {c.name: (-1.0, 1.0, 0.0) for c in task.action_channels(scene)}
+    found = {CONSTANT: Candidate(channels, lambda gains: constant(task, scene, gains))}
+    for name, law in laws_of(task).items():
+        if law.TUNABLE:
+            found[name] = Candidate(law.TUNABLE, lambda gains, law=law: law(scene, **gains))
+    return found
+
+
+def _search(
+    score: Callable[[np.ndarray], float], origin: np.ndarray, budget: int, seed: int, width: float
+) -> list[np.ndarray]:
+    """One CMA-ES run of about `budget` evaluations that maximises `score`; its best point and its last mean.
+
+    CMA-ES needs two dimensions: a single gain gets an idle companion.
+    """
+    import cma
+
+    k = len(origin)
+    start = np.full(max(k, 2), 0.5)
+    start[:k] = origin
+    options = {"bounds": [0.0, 1.0], "seed": seed, "verbose": -9, "maxfevals": budget}
+    run = cma.CMAEvolutionStrategy(start, width, options)
+    while not run.stop():
+        points = run.ask()
+        run.tell(points, [-score(point[:k]) for point in points])
+    return [np.asarray(run.result.xbest)[:k], np.asarray(run.result.xfavorite)[:k]]
+
+
+def tune_policy(
+    candidate: Candidate, train: ScenarioSet, check: ScenarioSet, evaluations: int, seed: int, bar: Any = None
+) -> dict[str, Any]:
+    """The best gains found, with the scores that chose them.
+
+    Args:
+        candidate: what to tune.
+        train: scenarios of the search.
+        check: fresh scenarios on which the finalists meet.
+        evaluations: rollouts of the search; a CMA-ES generation that has begun is finished.
+        seed: of the random points and of CMA-ES.
+        bar: a tqdm bar to move on by one per rollout of the search, or None.
+    """
+
+    def score_on(scenarios: ScenarioSet, unit: np.ndarray) -> float:
+        return float(rollout(candidate.build(candidate.gains(unit)), scenarios).scores.mean())
+
+    def score(unit: np.ndarray) -> float:
+        if bar is not None:
+            bar.update()
+        return score_on(train, unit)
+
+    origin = candidate.default()
+    points = np.random.default_rng(seed).uniform(size=(max(2, evaluations // 10), len(origin)))
+    best_random = points[int(np.argmax([score(point) for point in points]))]
+    budget = (evaluations - len(points)) // 2
+    finalists = [
+        origin,
+        *_search(score, origin, budget, seed + 1, 0.2),
+        *_search(score, best_random, budget, seed + 2, 0.3),
+    ]
+    checked = [score_on(check, point) for point in finalists]
+    winner = int(np.argmax(checked))
+    return {
+        "gains": candidate.gains(finalists[winner]),
+        "training_score": score_on(train, finalists[winner]),
+        "check_score": checked[winner],
+        "default_check_score": checked[0],
+    }
+
+
+def choose_tunable(tunable: dict[str, Candidate], names: list[str] | None) -> list[str]:
+    """`names`, or all if None.
+
+    Raises:
+        ValueError: a policy that is unknown or has no gains.
+    """
+    chosen = list(tunable) if names is None else names
+    for name in chosen:
+        if name not in tunable:
+            raise ValueError(f"{name!r} has nothing to tune; choose among {', '.join(tunable)}")
+    return chosen
+
+
+def tune(
+    env_id: str,
+    scene: str | None = None,
+    policies: list[str] | None = None,
+    evaluations: int = 200,
+    scenarios: int = 64,
+    seed: int = 0,
+    progress: bool = False,
+) -> dict[str, dict[str, Any]]:
+    """Tune policies in a preset and write them to the task's tuned file; returns what was written, by policy.
+
+    Args:
+        env_id: a registered id.
+        scene: a preset's name; None is the default preset.
+        policies: names; None is all that can be tuned.
+        evaluations: rollouts of the search per policy.
+        scenarios: training-side scenarios per rollout; the finalists meet on four times as many others.
+        seed: of the search and of the training-side scenarios.
+        progress: show a progress bar on stderr, where that is a terminal.
+
+    Raises:
+        ValueError: unknown id, scene or policy.
+        OSError: the tuned file cannot be written.
+    """
+    train = scenario_set(env_id, scene, n=scenarios, seed=2 * seed, side="training")
+    check = scenario_set(env_id, scene, n=4 * scenarios, seed=2 * seed + 1, side="training")
+    task, name = train.task, train.scene.name
+    tunable = candidates(task, train.scene)
+    chosen = choose_tunable(tunable, policies)
+    found = {}
+    with tqdm(total=len(chosen) * evaluations, unit="rollout", disable=None if progress else True) as bar:
+        for policy in chosen:
+            bar.set_description(policy)
+            command = (
+                f"vr-envs tune {train.env_id} --scene {name} --policy {policy} "
+                f"--evaluations {evaluations} --scenarios {scenarios} --seed {seed}"
+            )
+            found[policy] = {
+                **tune_policy(tunable[policy], train, check, evaluations, seed, bar),
+                "seed": seed,
+                "evaluations": evaluations,
+                "scenarios": scenarios,
+                "command": command,
+            }
+    stored = tuned_of(task)
+    stored[name] = {**stored.get(name, {}), **found}
+    tuned_file(task).parent.mkdir(exist_ok=True)
+    write_json(tuned_file(task), stored)
+    return found
