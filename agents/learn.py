@@ -107,12 +107,16 @@ def build(config: Config, batch: BatchEnv, clock: Clock, initial_action: np.ndar
         device="cpu",
     )
     if initial_action is not None:
+        last = model.policy.action_net
+        assert isinstance(last, torch.nn.Linear)
         with torch.no_grad():
-            model.policy.action_net.bias.copy_(torch.as_tensor(initial_action, dtype=torch.float32))
+            last.bias.copy_(torch.as_tensor(initial_action, dtype=torch.float32))
     return model
 
 
-def learn(config: Config, batch: BatchEnv, initial_action: np.ndarray | None, folder: Path, show: bool = True) -> Learned:
+def learn(
+    config: Config, batch: BatchEnv, initial_action: np.ndarray | None, folder: Path, show: bool = True
+) -> Learned:
     """Train, logging to `progress.csv` in `folder`; Ctrl-C ends the training early and keeps what was learnt.
 
     Args:

@@ -14,7 +14,7 @@ from agents.config import Config, dump, load
 from agents.learn import Learned, learn, make_batch
 from agents.policy import TrainedPolicy, save_policy
 from vr_envs.controllers.ladder import ladder
-from vr_envs.controllers.policy import Constant
+from vr_envs.controllers.policy import Constant, Policy
 from vr_envs.envs.base import box
 from vr_envs.envs.registry import limit_of, spec_of, task_of
 from vr_envs.envs.scene import Scene, resolve
@@ -131,5 +131,5 @@ def evaluate(folder: Path, level: str = "nominal", scenarios: int = 200, seed: i
         ValueError: not the folder of a run, or an unknown level.
     """
     config, policy = load_run(folder)
-    extra = {config.algorithm: policy}
+    extra: dict[str, Policy] = {config.algorithm: policy}
     return evaluate_ladder(config.env, config.scene, level, scenarios, seed, extra, progress=show)

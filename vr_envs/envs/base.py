@@ -125,7 +125,7 @@ class ScalarEnv(gym.Env[np.ndarray, np.ndarray]):
     """One environment. Subclasses set `task` and document it."""
 
     task: ClassVar[Task]
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array", "human"], "render_fps": 30}
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array", "human"], "render_fps": 30}
 
     def __init__(self, scene: str | Mapping[str, Any] | None = None, render_mode: str | None = None) -> None:
         """See the class for the scenes; `render_mode` is None, "rgb_array" or "human"."""
