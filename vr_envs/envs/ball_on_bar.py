@@ -1,0 +1,186 @@
+"""Task: keep a bouncing ball at the centre of a bar by choosing the bar's motion once per base cycle."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+
+from vr_envs.envs.base import BatchEnv, ScalarEnv
+from vr_envs.envs.scene import Scene
+from vr_envs.envs.task import Channel, Task
+from vr_envs.models.ball_on_bar import Params as BarParams
+from vr_envs.models.ball_on_bar import Scatter, Spin, advance
+from vr_envs.models.ball_on_bar import State as BallState
+from vr_envs.models.jit import kernel
+from vr_envs.models.noise import uniform
+from vr_envs.models.record import quantity
+
+# Scales of the observation: a channel is the quantity over its scale, clipped to [-1, 1].
+HEIGHT_SCALE = 0.02  # m
+SPEED_SCALE = 0.5  # m/s, sideways velocity and spin
+FALL_SCALE = 1.0  # m/s, vertical velocity
+_START_COUNTER = 1 << 62  # apart from the impact counter, which the scatter uses
+
+
+@dataclasses.dataclass(frozen=True)
+class Params(BarParams):
+    """The model's parameters and the task's."""
+
+    start_min: float = quantity(0.003, "m", "smallest |x| at the start", low=0.0, high=10.0)
+    start_max: float = quantity(0.015, "m", "largest |x| at the start", low=0.0, high=10.0)
+    reward_width: float = quantity(
+        0.002, "m", "distance at which the reward has fallen to one half", low=1e-6, high=1.0
+    )
+
+
+@kernel
+def start(state, params, scatter, spin):
+    """Ball displaced along the bar, on the vertical period-one orbit of the bar's motion at action 0.
+
+    Impacts happen at the phase phi of sin(2 omega t + pi/2) with cos(phi) = pi g (1 - alpha)/(1 + alpha)/Acc; below
+    the smallest acceleration at which the orbit exists the nearest phase, 0, is taken.
+    """
+    acceleration = 4.0 * params.omega * params.omega * params.z_centre
+    needed = math.pi * params.gravity * (1.0 - params.restitution) / (1.0 + params.restitution)
+    phase = math.acos(min(1.0, needed / acceleration)) if acceleration > 0.0 else 0.0
+    since = (0.5 * math.pi - phase) / (2.0 * params.omega)
+    launch = 0.25 * params.gravity * params.period
+    size = params.start_min + (params.start_max - params.start_min) * uniform(state.key, _START_COUNTER)
+    state.x = size if uniform(state.key, _START_COUNTER + 1) < 0.5 else -size
+    state.z = params.z_centre * math.sin(phase) + (launch - 0.5 * params.gravity * since) * since
+    state.w = launch - params.gravity * since
+    state.motion[4] = params.z_centre
+
+
+@kernel
+def _scaled(value, scale):
+    return np.float32(min(1.0, max(-1.0, value / scale)))
+
+
+@kernel
+def observe(state, row, params, scatter, spin):
+    """Write the observation of `state`; the channels are documented at `channels`."""
+    row[0] = _scaled(state.x, params.half_length)
+    row[1] = _scaled(state.u, SPEED_SCALE)
+    row[2] = _scaled(state.z, HEIGHT_SCALE)
+    row[3] = _scaled(state.w, FALL_SCALE)
+    m = state.motion
+    row[4] = _scaled(m[0], params.x_span)
+    row[5] = _scaled(m[1], params.x_span)
+    row[6] = _scaled(m[2], params.tilt_span)
+    row[7] = _scaled(m[3], params.tilt_span)
+    row[8] = _scaled(m[4] - params.z_centre, params.z_span)
+    row[9] = _scaled(m[5], params.z_span)
+    if spin is not None:
+        row[10] = _scaled(state.spin, SPEED_SCALE)
+
+
+@kernel
+def outcome(state, action, params, scatter, spin):
+    """(reward, terminated): 1 / (1 + (x / width)^2), and 0 with the end of the episode when the ball is lost."""
+    state.sum_x2 += state.x * state.x
+    state.max_x = max(state.max_x, abs(state.x))
+    if state.lost or state.fault:
+        return 0.0, True
+    offset = state.x / params.reward_width
+    return 1.0 / (1.0 + offset * offset), False
+
+
+def _observations(scene: Scene) -> tuple[Channel, ...]:
+    p = scene.params
+    half, x, tilt = f"{p.half_length:g} m", f"{p.x_span:.3g} m", f"{p.tilt_span:.3g} rad"
+    rows = [
+        ("x", half, "ball along the bar, from the centre"),
+        ("x velocity", f"{SPEED_SCALE:g} m/s", "ball velocity along x"),
+        ("z", f"{HEIGHT_SCALE:g} m", "ball height, from the bar's mean height"),
+        ("z velocity", f"{FALL_SCALE:g} m/s", "ball velocity upwards"),
+        ("x in phase", x, "bar: cosine part of x"),
+        ("x quadrature", x, "bar: sine part of x"),
+        ("tilt in phase", tilt, "bar: cosine part of the tilt"),
+        ("tilt quadrature", tilt, "bar: sine part of the tilt"),
+        ("z in phase", f"{p.z_span:.3g} m", "bar: cosine part of z at twice the base frequency, from its centre value"),
+        ("z quadrature", f"{p.z_span:.3g} m", "bar: sine part of z at twice the base frequency"),
+    ]
+    if scene.options["spin"] is not None:
+        rows.append(("spin", f"{SPEED_SCALE:g} m/s", "ball radius times spin about +y"))
+    return tuple(Channel(name, unit, doc) for name, unit, doc in rows)
+
+
+def _actions(scene: Scene) -> tuple[Channel, ...]:
+    p = scene.params
+    return (
+        Channel("x in phase", f"{p.x_acceleration:g} m/s^2", "cosine part of x, as peak acceleration"),
+        Channel("x quadrature", f"{p.x_acceleration:g} m/s^2", "sine part of x"),
+        Channel("tilt in phase", f"{p.tilt_acceleration:g} rad/s^2", "cosine part of the tilt"),
+        Channel("tilt quadrature", f"{p.tilt_acceleration:g} rad/s^2", "sine part of the tilt"),
+        Channel(
+            "z in phase", f"{p.z_acceleration_span:g} m/s^2", f"cosine part of z, added to {p.z_acceleration:g} m/s^2"
+        ),
+        Channel("z quadrature", f"{p.z_acceleration_span:g} m/s^2", "sine part of z"),
+    )
+
+
+def _metrics(states: np.ndarray, scene: Scene) -> dict[str, np.ndarray]:
+    steps = np.maximum(states["steps"], 1)
+    rms = np.sqrt(states["sum_x2"] / steps)
+    on_bar = ~(states["lost"] | states["fault"])
+    return {
+        "is_success": on_bar & (rms <= 0.003),
+        "on_bar": on_bar,
+        "rms_x_mm": 1e3 * rms,
+        "max_x_mm": 1e3 * states["max_x"],
+        "impacts_per_cycle": states["impacts"] / steps,
+        "fault": states["fault"].copy(),
+    }
+
+
+def _validate(scene: Scene) -> None:
+    p = scene.params
+    if p.start_min > p.start_max or p.start_max >= p.half_length:
+        raise ValueError(
+            f"start_min = {p.start_min:g}, start_max = {p.start_max:g}, half_length = {p.half_length:g}: "
+            "give start_min <= start_max < half_length"
+        )
+    if p.tilt_span > 0.3:
+        raise ValueError(
+            f"tilt_acceleration = {p.tilt_acceleration:g} rad/s^2 at frequency = {p.frequency:g} Hz is a tilt of "
+            f"{p.tilt_span:.3g} rad; give at most 0.3 rad, which is {0.3 * p.omega**2:.4g} rad/s^2"
+        )
+
+
+TASK = Task(
+    name="ball_on_bar",
+    params=Params,
+    options={"scatter": Scatter, "spin": Spin},
+    state=BallState,
+    scenes={"bell": {"scatter": True}, "rolling": {"scatter": True, "spin": True}},
+    default_scene="bell",
+    levels={
+        "nominal": {},
+        "light": {"scatter": {"restitution": 0.03, "normal": 0.003}},
+        "severe": {"scatter": {"restitution": 0.05, "normal": 0.005}},
+    },
+    start=start,
+    advance=advance,
+    outcome=outcome,
+    observe=observe,
+    observation_channels=_observations,
+    action_channels=_actions,
+    metrics=_metrics,
+    dt=lambda scene: scene.params.period,
+    validate=_validate,
+)
+
+
+class BallOnBarEnv(ScalarEnv):
+    """PLACEHOLDER."""
+
+    task = TASK
+
+
+class BallOnBarBatchEnv(BatchEnv):
+    """Native batch of `BallOnBarEnv`."""
+
+    task = TASK

@@ -1,0 +1,382 @@
+"""A ball bouncing on a bar with three degrees of freedom: exact event-driven dynamics over one base cycle.
+
+Ballistic flight, impacts located by a certified first-root march, restitution and tangential law at the contact
+point, chatter closed by its accumulation time, rest until release. Frame and motion: `models/bar.py`. Source: Bell
+(bouncing-ball report), sections III and IV. Time runs from 0 in each cycle, so it never loses digits.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+from vr_envs.models.bar import Piece, bounds, frame_at, increments
+from vr_envs.models.impact import collide, collide_rough
+from vr_envs.models.jit import kernel
+from vr_envs.models.noise import normal_pair
+from vr_envs.models.record import quantity
+from vr_envs.models.rest import carry, roll, rolling_law, support
+from vr_envs.models.root import MAX_MARCH, TIME_RESOLUTION, certified_step
+
+MAX_EVENTS = 20_000  # impacts and releases in one base cycle; a ball that needs more ends the episode as a fault
+CHATTER_RATIO = 1e-3  # |j| W / ((1 - alpha) g_e^2) below which the rest of a chatter is summed in closed form
+AIRBORNE, BOUNCED, RELEASED = 0, 1, 2  # how a flight begins
+STILL = 1e-12  # m/s, normal velocity below which a supported ball is at rest
+
+
+@dataclasses.dataclass(frozen=True)
+class Params:
+    """The bar, the ball and the range of the bar's motion. Defaults: Bell section IV at the project's 15 Hz."""
+
+    DERIVED = ("omega", "period", "x_span", "tilt_span", "z_centre", "z_span")
+
+    gravity: float = quantity(9.81, "m/s^2", "gravity", low=0.1, high=100.0)
+    frequency: float = quantity(15.0, "Hz", "base frequency of x and tilt; z moves at twice this", low=0.5, high=200.0)
+    half_length: float = quantity(0.025, "m", "half the length of the bar", low=0.001, high=10.0)
+    restitution: float = quantity(0.75, "", "normal restitution alpha, best fit of Bell's data", low=0.0, high=1.0)
+    tangential_loss: float = quantity(
+        2.0 / 7.0, "", "part c of the tangential velocity lost at an impact (without spin)", low=0.0, high=1.0
+    )
+    blend: float = quantity(0.5, "cycle", "part of a cycle in which the bar goes to its new motion", low=0.05, high=1.0)
+    x_acceleration: float = quantity(10.0, "m/s^2", "x: peak acceleration at action 1", low=0.0, high=100.0)
+    tilt_acceleration: float = quantity(100.0, "rad/s^2", "tilt: peak acceleration at action 1", low=0.0, high=5000.0)
+    z_acceleration: float = quantity(
+        8.0, "m/s^2", "z: peak acceleration at action 0 (Bell, Fig 4.1)", low=0.0, high=100.0
+    )
+    z_acceleration_span: float = quantity(4.0, "m/s^2", "z: change of it at action 1", low=0.0, high=100.0)
+
+    @property
+    def omega(self) -> float:
+        """Base angular frequency, rad/s."""
+        return 2.0 * math.pi * self.frequency
+
+    @property
+    def period(self) -> float:
+        """Base cycle, s."""
+        return 1.0 / self.frequency
+
+    @property
+    def x_span(self) -> float:
+        """Amplitude of x at action 1, m."""
+        return self.x_acceleration / self.omega**2
+
+    @property
+    def tilt_span(self) -> float:
+        """Amplitude of tilt at action 1, rad."""
+        return self.tilt_acceleration / self.omega**2
+
+    @property
+    def z_centre(self) -> float:
+        """Amplitude of z at action 0, m."""
+        return self.z_acceleration / (2.0 * self.omega) ** 2
+
+    @property
+    def z_span(self) -> float:
+        """Change of the amplitude of z at action 1, m."""
+        return self.z_acceleration_span / (2.0 * self.omega) ** 2
+
+
+@dataclasses.dataclass(frozen=True)
+class Scatter:
+    """Option: an imperfect ball and surface (Bell: "a great variation in the C.o.R. values")."""
+
+    restitution: float = quantity(0.02, "", "standard deviation of alpha from impact to impact", low=0.0, high=0.3)
+    normal: float = quantity(0.002, "rad", "standard deviation of the surface normal", low=0.0, high=0.1)
+
+
+@dataclasses.dataclass(frozen=True)
+class Spin:
+    """Option: a ball that grips the bar, spins and rolls (Wang and Mason 1992). Replaces `tangential_loss`."""
+
+    inertia_ratio: float = quantity(0.4, "", "I/(m R^2): 2/5 solid sphere, 2/3 hollow, 1/2 disc", low=0.0, high=1.0)
+    radius: float = quantity(0.0025, "m", "radius R of the ball", low=1e-4, high=1.0)
+
+
+@dataclasses.dataclass(frozen=True)
+class State:
+    """The ball at the start of a base cycle, the bar's motion, and the episode's sums."""
+
+    key: int = quantity(0, "", "episode key", kind="key")
+    steps: int = quantity(0, "", "cycles since the start")
+    impacts: int = quantity(0, "", "impacts since the start; the counter of the scatter")
+    resting: bool = quantity(False, "", "the ball lies on the bar")
+    lost: bool = quantity(False, "", "the ball has left the bar")
+    fault: bool = quantity(False, "", "a cycle needed more than MAX_EVENTS events")
+    x: float = quantity(0.0, "m", "ball, along the bar, from the bar's mean position")
+    z: float = quantity(0.0, "m", "ball, upwards, from the bar's mean position")
+    u: float = quantity(0.0, "m/s", "velocity of x")
+    w: float = quantity(0.0, "m/s", "velocity of z")
+    spin: float = quantity(0.0, "m/s", "radius times spin about +y")
+    d: float = quantity(0.0, "m", "place on the bar of a resting ball")
+    rate: float = quantity(0.0, "m/s", "velocity along the bar of a resting ball")
+    motion: float = quantity(0.0, "m, rad, m", "x, tilt, z: cosine and sine parts of the bar's motion", shape=(6,))
+    sum_x2: float = quantity(0.0, "m^2", "sum of x^2 over cycles")
+    max_x: float = quantity(0.0, "m", "largest |x| at the end of a cycle")
+
+
+@kernel
+def demanded(action, params):
+    """The bar motion that an action asks for: in-phase and quadrature parts of x, tilt and z."""
+    return (
+        params.x_span * action[0],
+        params.x_span * action[1],
+        params.tilt_span * action[2],
+        params.tilt_span * action[3],
+        params.z_centre + params.z_span * action[4],
+        params.z_span * action[5],
+    )
+
+
+@kernel
+def _contact(frame, x, u, w):
+    """What a ball at `x` with velocity (u, w) meets: (height, normal and tangential velocity, place on the bar)."""
+    rx = x - frame.x[0]
+    rz = -rx * frame.sin / frame.cos
+    # the bar's material at the contact point moves with the centre's velocity + tilt rate y x r
+    ru, rw = u - frame.x[1] - frame.tilt[1] * rz, w - frame.z[1] + frame.tilt[1] * rx
+    normal, tangent = ru * frame.sin + rw * frame.cos, ru * frame.cos - rw * frame.sin
+    return frame.z[0] + rz, normal, tangent, rx / frame.cos
+
+
+@kernel
+def _bend(gravity, ax, at, az, speed, vt, reach, tan):
+    """Second derivative of the vertical gap: z - z_bar + (x - x_bar) tan(tilt), twice."""
+    sec2 = 1.0 + tan * tan
+    return -gravity - az - ax * tan + (2.0 * speed * vt + reach * (at + 2.0 * vt * vt * tan)) * sec2
+
+
+@kernel
+def _gap(piece, start, frame, ds, gap, rx, u, w, gravity):
+    """Vertical gap between ball and surface a time `ds` into a flight that began with `gap`, and two derivatives.
+
+    Everything is a difference from the start of the flight, so a gap of 1e-17 m keeps its digits.
+    """
+    (dx, vx, ax), (dt, vt, at), (dz, vz, az) = increments(piece, start, ds)
+    sin_d, cos_d = math.sin(dt), math.cos(dt)
+    cos = frame.cos * cos_d - frame.sin * sin_d
+    tan = (frame.sin * cos_d + frame.cos * sin_d) / cos
+    sec2 = 1.0 + tan * tan
+    moved = u * ds - dx
+    value = gap + (w - 0.5 * gravity * ds) * ds - dz + moved * tan + rx * sin_d / (cos * frame.cos)
+    rate = w - gravity * ds - vz + (u - vx) * tan + (rx + moved) * vt * sec2
+    return value, rate, _bend(gravity, ax, at, az, u - vx, vt, rx + moved, tan)
+
+
+@kernel
+def _gap_bounds(limits, tan, rx, u, remaining, gravity):
+    """Bounds on the absolute second and third derivative of the vertical gap over the rest of a flight.
+
+    `limits` and `tan` bound the bar's motion and the slope of its surface.
+    """
+    x, t, z = limits
+    sec2 = 1.0 + tan * tan
+    reach = abs(rx) + abs(u) * remaining + 2.0 * x.d0
+    speed = abs(u) + x.d1
+    turn = t.d1 * sec2
+    turning = (t.d2 + 2.0 * t.d1 * t.d1 * tan) * sec2
+    turning_rate = (t.d3 + 6.0 * t.d1 * t.d2 * tan + 2.0 * t.d1 * t.d1 * t.d1 * (sec2 + 2.0 * tan * tan)) * sec2
+    curvature = gravity + z.d2 + x.d2 * tan + 2.0 * speed * turn + reach * turning
+    return curvature, z.d3 + x.d3 * tan + 3.0 * (x.d2 * turn + speed * turning) + reach * turning_rate
+
+
+@kernel
+def _flight(piece, limits, tan, s, frame, end, x, z, u, w, gravity, contact):
+    """First contact of a flight from time s: (hit, duration).
+
+    `contact`: AIRBORNE, BOUNCED (leaving the surface with a velocity) or RELEASED (leaving it without).
+    """
+    height, normal, tangent, d = _contact(frame, x, u, w)
+    rx = x - frame.x[0]
+    curvature, jerk = _gap_bounds(limits, tan, rx, u, end - s, gravity)
+    gap = 0.0 if contact != AIRBORNE else z - height
+    ds = 0.0
+    if contact == RELEASED:
+        # gap = -N s^2/2 - N' s^3/6 with N <= 0: begin where it has grown above rounding
+        forcing, stiffness = rolling_law(frame, gravity, 0.0, 0.0)
+        force, slope = support(frame, gravity, d, tangent, forcing + stiffness * d)
+        ds = min(1e-3 / piece.omega, math.sqrt(2e-14 / max(-force, 1e-12)))
+        if slope < 0.0:
+            ds = min(ds, (6e-14 / -slope) ** (1.0 / 3.0))
+    elif gap <= 0.0:
+        if normal <= 0.0:
+            return True, 0.0
+        f = frame
+        second = _bend(gravity, f.x[2], f.tilt[2], f.z[2], u - f.x[1], f.tilt[1], rx, f.sin / f.cos)
+        gap, ds = 0.0, certified_step(0.0, normal / f.cos, second, jerk, curvature)
+    for _ in range(MAX_MARCH):
+        if s + ds >= end:
+            return False, end - s
+        value, slope, second = _gap(piece, s, frame, ds, gap, rx, u, w, gravity)
+        if value <= 0.0:
+            return True, ds
+        step = certified_step(value, slope, second, jerk, curvature)
+        ds += step
+        # what the certified step left out of the cubic term is below the resolution of time
+        if slope < 0.0 and jerk * step * step * step < -TIME_RESOLUTION * slope:
+            return s + ds < end, min(ds, end - s)
+    return True, ds
+
+
+@kernel
+def _place_resting(state, frame, spin):
+    """World position and velocity of a resting ball."""
+    bx, tilt, bz, cos, sin = frame
+    turn = -tilt[1] * state.d
+    state.x, state.z = bx[0] + state.d * cos, bz[0] - state.d * sin
+    state.u = bx[1] + turn * sin + state.rate * cos
+    state.w = bz[1] + turn * cos - state.rate * sin
+    if spin is not None:
+        state.spin = state.rate + spin.radius * tilt[1]
+
+
+@kernel
+def _rest(state, piece, limits, s, end, params, spin):
+    """Carry or roll the resting ball until it leaves the surface, the bar's end, or `end`; returns (time, frame)."""
+    if spin is not None:
+        s, state.d, state.rate, left = roll(
+            piece,
+            limits,
+            s,
+            end,
+            params.gravity,
+            spin.inertia_ratio,
+            spin.radius,
+            params.half_length,
+            state.d,
+            state.rate,
+        )
+    elif params.tangential_loss > 0.0:
+        s = carry(piece, limits, s, end, params.gravity, state.d)
+        left = s < end
+    else:
+        s, state.d, state.rate, left = roll(
+            piece, limits, s, end, params.gravity, 0.0, 0.0, params.half_length, state.d, state.rate
+        )
+    frame = frame_at(piece, s)
+    _place_resting(state, frame, spin)
+    state.lost = abs(state.d) > params.half_length
+    state.resting = not left
+    return s, frame
+
+
+@kernel
+def _settle(state, frame, s, end, normal, tangent, d, params, spin):
+    """After an impact: if the remaining chatter can be summed, put the ball to rest.
+
+    Returns (time, BOUNCED or RELEASED), from where a flight begins if the ball has not come to rest.
+    """
+    forcing, stiffness = rolling_law(frame, params.gravity, 0.0, 0.0)
+    force, jerk = support(frame, params.gravity, d, tangent, forcing + stiffness * d)
+    contact = BOUNCED if normal > STILL else RELEASED
+    if force <= 0.0:
+        return s, contact
+    lost = 1.0 - params.restitution
+    wait = 0.0
+    if normal > STILL:
+        ratio = abs(jerk) * normal / force / force
+        if ratio >= CHATTER_RATIO * lost:
+            return s, contact
+        # accumulation time of the chatter, with the first correction for a changing effective gravity
+        wait = 2.0 * normal / (force * lost) * (1.0 - 2.0 / 3.0 * jerk * normal / (lost * force * force))
+        if s + wait >= end:
+            return s, contact
+    state.d, state.rate, state.resting = d + tangent * wait, tangent, True
+    if spin is None and params.tangential_loss > 0.0:
+        # (1 - c) at each of infinitely many impacts: the sum over flights of 2 W alpha^k / N is a geometric series
+        kept = params.restitution * (1.0 - params.tangential_loss)
+        state.d, state.rate = d + tangent * 2.0 * normal / (force * (1.0 - kept)), 0.0
+    return s + wait, contact
+
+
+@kernel
+def _impact(state, frame, s, end, params, scatter, spin, log):
+    """One impact at time s; returns what `_settle` does."""
+    height, normal, tangent, d = _contact(frame, state.x, state.u, state.w)
+    state.z = height
+    if abs(d) > params.half_length:
+        state.lost = True
+        return s, AIRBORNE
+    if log is not None:
+        row = log[state.impacts % log.shape[0]]
+        row[0], row[1], row[2], row[3], row[4] = s, state.x, state.z, normal, tangent
+    state.impacts += 1
+    surface_spin = 0.0
+    if spin is not None:
+        surface_spin = state.spin - spin.radius * frame.tilt[1]
+    normal_0, tangent_0 = normal, tangent
+    if normal < 0.0:
+        if scatter is None:
+            normal, tangent, surface_spin = collide(
+                normal, tangent, surface_spin, params.restitution, params.tangential_loss, spin
+            )
+        else:
+            first, second = normal_pair(state.key, state.impacts)
+            restitution = min(1.0, max(0.0, params.restitution + scatter.restitution * first))
+            normal, tangent, surface_spin = collide_rough(
+                normal, tangent, surface_spin, restitution, params.tangential_loss, spin, scatter.normal * second
+            )
+    state.u += (normal - normal_0) * frame.sin + (tangent - tangent_0) * frame.cos
+    state.w += (normal - normal_0) * frame.cos - (tangent - tangent_0) * frame.sin
+    if spin is not None:
+        state.spin = surface_spin + spin.radius * frame.tilt[1]
+    return _settle(state, frame, s, end, normal, tangent, d, params, spin)
+
+
+@kernel
+def _interval(state, piece, s, end, params, scatter, spin, log):
+    """All events of one piece of bar motion, from time s to `end`."""
+    limits = bounds(piece)
+    tan = math.tan(limits[1].d0)
+    frame = frame_at(piece, s)
+    contact = AIRBORNE
+    for _ in range(MAX_EVENTS):
+        if state.resting:
+            s, frame = _rest(state, piece, limits, s, end, params, spin)
+            if state.resting or state.lost or s >= end:
+                return
+            contact = RELEASED
+        hit, ds = _flight(
+            piece, limits, tan, s, frame, end, state.x, state.z, state.u, state.w, params.gravity, contact
+        )
+        state.x += state.u * ds
+        state.z += (state.w - 0.5 * params.gravity * ds) * ds
+        state.w -= params.gravity * ds
+        if not hit:
+            return
+        s += ds
+        frame = frame_at(piece, s)
+        s, contact = _impact(state, frame, s, end, params, scatter, spin, log)
+        if state.lost:
+            return
+    state.fault = True
+
+
+@kernel
+def advance(state, action, params, scatter, spin, log=None):
+    """Move the ball by one base cycle while the bar goes to the motion that `action` asks for.
+
+    Args:
+        state: record of `State`, changed in place; a lost ball stays where it left the bar.
+        action: six numbers in [-1, 1], see `demanded`.
+        params: record of `Params`.
+        scatter: record of `Scatter` or None.
+        spin: record of `Spin` or None.
+        log: None, or an array (capacity, 5) that receives each impact, number i in row i modulo capacity: time in
+            the cycle (s), x and z of the ball (m), normal and tangential approach velocity (m/s).
+    """
+    if state.lost or state.fault:
+        return
+    m = state.motion
+    old = (m[0], m[1], m[2], m[3], m[4], m[5])
+    new = demanded(action, params)
+    start = 0.0
+    if new != old:
+        start = params.blend * params.period
+        change = (
+            new[0] - old[0], new[1] - old[1], new[2] - old[2], new[3] - old[3], new[4] - old[4], new[5] - old[5],
+        )  # fmt: skip
+        _interval(state, Piece(params.omega, start, old, change), 0.0, start, params, scatter, spin, log)
+    if start < params.period and not (state.lost or state.fault):
+        _interval(state, Piece(params.omega, 0.0, new, new), start, params.period, params, scatter, spin, log)
+    for k in range(6):
+        m[k] = new[k]
