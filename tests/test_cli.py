@@ -1,3 +1,4 @@
+import dataclasses
 import json
 import subprocess
 import sys
@@ -9,6 +10,8 @@ import pytest
 from tests.toy import LIMIT
 from vr_envs.__main__ import main
 from vr_envs.cli.render import pace
+from vr_envs.envs.registry import ids, task_of
+from vr_envs.envs.scene import resolve
 
 HEAVY = ("numba", "scipy", "matplotlib", "pygame", "torch", "pymunk", "imageio", "cma")
 
@@ -162,3 +165,25 @@ def test_render_without_its_packages_says_what_to_install(toy, capsys, monkeypat
 @pytest.mark.parametrize(("dt", "stride", "fps"), [(0.01, 3, 1 / 0.03), (1 / 15, 1, 15.0), (1.0, 1, 10.0)])
 def test_pictures_are_in_real_time_where_steps_are_short(dt, stride, fps):
     assert pace(dt) == (stride, pytest.approx(fps))
+
+
+def test_list_has_a_line_per_id(capsys):
+    assert main(["list"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split("|")[1].strip() for line in lines[2:]] == ids()
+
+
+@pytest.mark.parametrize("env_id", ids())
+def test_list_names_every_parameter_and_channel(capsys, env_id):
+    task = task_of(env_id)
+    for name in task.scenes:
+        assert main(["list", env_id, "--scene", name]) == 0
+        text = capsys.readouterr().out
+        scene = resolve(task, name)
+        fields = [f.name for f in dataclasses.fields(task.params)]
+        fields += [f"{option}.{f.name}" for option, cls in task.options.items() for f in dataclasses.fields(cls)]
+        channels = [c.name for c in (*task.observation_channels(scene), *task.action_channels(scene))]
+        for expected in fields:
+            assert f"\n| {expected} " in text
+        for expected in channels:
+            assert f" | {expected} " in text

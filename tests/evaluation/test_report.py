@@ -121,7 +121,22 @@ def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path, monkeypat
     assert [p.name for p in tmp_path.iterdir()] == ["report.json"]
 
 
-def test_numbers_in_tables():
-    assert interval(Estimate(0.12345, -0.0001, 123.456)) == "0.123 [0.000, 123.5]"
-    assert interval(Estimate(0.5, -0.25, 1.0), sign=True) == "+0.500 [-0.250, +1.000]"
-    assert interval(Estimate(math.nan, math.nan, math.nan)) == "-"
+@pytest.mark.parametrize(
+    ("estimate", "text"),
+    [
+        ((0.93912, 0.93211, 0.94522), "0.939 [0.932, 0.945]"),
+        ((0.93912, 0.93881, 0.93951), "0.9391 [0.9388, 0.9395]"),
+        ((0.0173, 0.01612, 0.01849), "0.0173 [0.0161, 0.0185]"),
+        ((158.24, 150.11, 166.32), "158 [150, 166]"),
+        ((0.0, 0.0, 0.0), "0.000 [0.000, 0.000]"),
+        ((-1e-9, -0.0101, 0.0102), "0.0000 [-0.0101, 0.0102]"),
+        ((math.nan, math.nan, math.nan), "-"),
+    ],
+)
+def test_numbers_in_tables(estimate, text):
+    assert interval(Estimate(*estimate)) == text
+
+
+def test_differences_carry_a_sign_and_values_may_stand_alone():
+    assert interval(Estimate(0.5, -0.25, 1.0), sign=True) == "+0.50 [-0.25, +1.00]"
+    assert interval(Estimate(0.5, -0.25, 0.75), bounds=False) == "0.500"

@@ -39,7 +39,7 @@ def overview() -> str:
         world = World(task, None, 1)
         scenes = ", ".join(f"{s} (default)" if s == task.default_scene else s for s in task.scenes)
         body.append([env_id, scenes, str(limit_of(env_id)), f"{task.dt(world.scene):.4g}", *map(str, world.widths)])
-    return markdown(["id", "scenes", "steps", "interval [s]", "observation", "action"], body)
+    return markdown(["id", "scenes", "steps", "interval [s]", "observation", "action"], body, left=(0, 1))
 
 
 def details(env_id: str, scene: Any) -> str:
@@ -61,13 +61,17 @@ def details(env_id: str, scene: Any) -> str:
     blocks = [
         f"{spec_of(env_id).id}: {limit} steps of {task.dt(chosen):.4g} s; levels {', '.join(task.levels)}",
         "Parameters by scene (-: the option is absent)",
-        markdown(["parameter", *scenes, "unit", "allowed", "meaning"], rows),
+        markdown(
+            ["parameter", *scenes, "unit", "allowed", "meaning"],
+            rows,
+            left=(0, *range(len(scenes) + 1, len(scenes) + 4)),
+        ),
     ]
     for kind, listed in channels.items():
         body = [[str(k), c.name, f"[{c.low:g}, {c.high:g}]", c.unit or "1", c.doc] for k, c in enumerate(listed)]
         blocks += [
             f"{kind.capitalize()} channels in scene {chosen.name}",
-            markdown(["", "channel", "range", "unit", "meaning"], body),
+            markdown(["", "channel", "range", "unit", "meaning"], body, left=range(5)),
         ]
     return "\n\n".join(blocks)
 

@@ -18,9 +18,10 @@ from vr_envs.evaluation.files import plain, write_json
 from vr_envs.evaluation.rollout import Rollout, rollout
 from vr_envs.evaluation.scenarios import ScenarioSet, scenario_set
 from vr_envs.evaluation.statistics import Estimate, bootstrap, difference, estimate, iqm, normalised
-from vr_envs.evaluation.table import interval, markdown, number
+from vr_envs.evaluation.table import interval, markdown
 
 SUCCESS = "is_success"
+SCORE = "score"
 METRICS_SHOWN = 4
 
 
@@ -54,13 +55,13 @@ class Report:
 
     def table(self) -> str:
         """A title line and a Markdown table, aligned to be read as plain text too."""
-        names = list(self.rows[0].metrics)[:METRICS_SHOWN]
+        names = [name for name in self.rows[0].metrics if name != SCORE][:METRICS_SHOWN]
         head = ["policy", "score", "IQM", "normalised", "minus baseline", "success", *names]
         body = [
             [
                 f"{row.policy} (baseline)" if row.policy == self.baseline else row.policy,
                 interval(row.score),
-                number(row.iqm.value),
+                interval(row.iqm, bounds=False),
                 interval(row.normalised),
                 "" if row.policy == self.baseline else interval(row.difference, sign=True),
                 f"{100 * row.success.value:.1f} %",

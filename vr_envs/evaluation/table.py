@@ -3,33 +3,40 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 
 from vr_envs.evaluation.statistics import Estimate
 
+MOST_DECIMALS = 6
 
-def markdown(head: list[str], body: list[list[str]]) -> str:
-    """A Markdown table with aligned columns, the first to the left and the others to the right."""
+
+def markdown(head: list[str], body: list[list[str]], left: Collection[int] = (0,)) -> str:
+    """A Markdown table with aligned columns: those numbered in `left` to the left, the others to the right."""
     widths = [max(map(len, column)) for column in zip(head, *body, strict=True)]
 
     def line(cells: list[str]) -> str:
-        padded = [c.rjust(w) if k else c.ljust(w) for k, (c, w) in enumerate(zip(cells, widths, strict=True))]
-        return f"| {' | '.join(padded)} |"
+        pairs = enumerate(zip(cells, widths, strict=True))
+        return f"| {' | '.join(c.ljust(w) if k in left else c.rjust(w) for k, (c, w) in pairs)} |"
 
-    rule = [("-" * (w - 1) + ":") if k else "-" * w for k, w in enumerate(widths)]
+    rule = ["-" * w if k in left else "-" * (w - 1) + ":" for k, w in enumerate(widths)]
     return "\n".join([line(head), line(rule), *map(line, body)])
 
 
-def number(value: float, sign: bool = False) -> str:
-    """Three decimals for what is of order one, four significant digits beyond."""
-    if math.isnan(value):
-        return "-"
-    digits = ".3f" if abs(value) < 10 else ".4g"
-    return format(round(value, 3) + 0.0, ("+" if sign else "") + digits)  # + 0.0: no minus before a zero
+def _decimals(estimate: Estimate) -> int:
+    """Enough for three significant digits of the largest number and one of the interval's half-width."""
+    largest = max(map(abs, estimate))
+    half = (estimate.high - estimate.low) / 2.0
+    wanted = [2 - math.floor(math.log10(largest))] if largest > 0.0 else [3]
+    if half > 1e-9 * largest:
+        wanted.append(-math.floor(math.log10(half)))
+    return min(MOST_DECIMALS, max(0, *wanted))
 
 
-def interval(estimate: Estimate, sign: bool = False) -> str:
-    """Value and interval; a dash where there is none."""
+def interval(estimate: Estimate, sign: bool = False, bounds: bool = True) -> str:
+    """Value and, with `bounds`, its interval; a dash where there is none."""
     if math.isnan(estimate.value):
         return "-"
-    value, low, high = (number(v, sign) for v in estimate)
-    return f"{value} [{low}, {high}]"
+    decimals = _decimals(estimate)
+    shown = (round(number, decimals) + 0.0 for number in estimate)  # + 0.0: no minus before a zero
+    value, low, high = (f"{number:{'+' if sign else ''}.{decimals}f}" for number in shown)
+    return f"{value} [{low}, {high}]" if bounds else value
