@@ -1,0 +1,162 @@
+"""The ride task: carry a mass over rough ground softly, within the travel that the spring has."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vr_envs.envs.base import BatchEnv, ScalarEnv
+from vr_envs.envs.scene import Scene
+from vr_envs.envs.task import Task
+from vr_envs.envs.terrain_ride_observation import Preview, SensorNoise, action_channels, channels, observe
+from vr_envs.models import terrain_ride as model
+from vr_envs.models.jit import kernel
+from vr_envs.models.noise import uniform
+from vr_envs.models.terrain import RING, Bumps, Road, Undulation, start_road, start_undulation
+from vr_envs.models.travel_stop import TravelStop
+from vr_envs.models.weighting import weight
+
+_PAYLOAD_DRAW = 1 << 49
+
+
+@kernel
+def start(state, params, undulation, road, bumps, stop, payload, lag, preview, noise):  # type: ignore[no-untyped-def]
+    """At rest relative to the ground under the wheel, the payload in balance, actuators at mid-range."""
+    if undulation is not None:
+        start_undulation(state)
+    if road is not None:
+        start_road(state, road, bumps)
+    if payload is not None:
+        state.payload = payload.size * (2.0 * uniform(state.key, _PAYLOAD_DRAW) - 1.0)
+    _, w2, push = model.suspension(state, params)
+    state.travel = push / w2
+
+
+@kernel
+def advance(state, action, params, undulation, road, bumps, stop, payload, lag, preview, noise):  # type: ignore[no-untyped-def]
+    """The ride over one control interval."""
+    model.advance(state, action, params, undulation, road, bumps, stop, lag)
+
+
+@kernel
+def outcome(state, action, params, undulation, road, bumps, stop, payload, lag, preview, noise):  # type: ignore[no-untyped-def]
+    """Score the interval that has ended: comfort and travel together, nothing in contact with a stop."""
+    state.weighted = weight(state.weighting, state.acceleration)
+    state.weighted_squares += state.weighted * state.weighted
+    state.travel_squares += state.travel * state.travel
+    state.travel_peak = max(state.travel_peak, abs(state.travel))
+    state.hits += state.touches
+    discomfort, stroke = state.weighted / params.comfort, state.travel / params.rattle
+    reward = 1.0 / (1.0 + discomfort * discomfort + stroke * stroke)
+    crushed = False
+    if stop is not None:
+        if state.side != 0.0 or state.touches > 0:
+            reward = 0.0
+        crushed = abs(state.travel) > stop.travel + stop.crush
+    state.score += reward
+    return reward, crushed
+
+
+def metrics(states: np.ndarray, scene: Scene) -> dict[str, np.ndarray]:
+    """Domain metrics of episodes, one value per record.
+
+    score: mean reward; acceleration_rms [m/s^2]: weighted with Wk; travel_rms, travel_peak [m]: of the spring, at the
+    control instants; stop_hits: times that a stop was touched; is_success: no stop hit, and acceleration and travel
+    both below the values that halve the reward.
+    """
+    steps = np.maximum(states["steps"], 1)
+    acceleration = np.sqrt(states["weighted_squares"] / steps)
+    travel = np.sqrt(states["travel_squares"] / steps)
+    calm = (acceleration < scene.params.comfort) & (travel < scene.params.rattle)
+    return {
+        "is_success": calm & (states["hits"] == 0),
+        "score": states["score"] / steps,
+        "acceleration_rms": acceleration,
+        "travel_rms": travel,
+        "travel_peak": states["travel_peak"].copy(),
+        "stop_hits": states["hits"].copy(),
+    }
+
+
+def validate(scene: Scene) -> None:
+    """Ranges in order; a stop and bumps need a road of straight pieces; the preview within the knots that are kept."""
+    p, options = scene.params, scene.options
+    road, bumps, preview = options["road"], options["bumps"], options["preview"]
+    orders = [
+        ("damping_low", p.damping_low, "damping_high", p.damping_high, True),
+        ("modulus_low", p.modulus_low, "modulus_high", p.modulus_high, True),
+    ]
+    if bumps is not None:
+        orders += [
+            ("bumps.low", bumps.low, "bumps.high", bumps.high, False),
+            ("bumps.shortest", bumps.shortest, "bumps.longest", bumps.longest, False),
+            ("2 bumps.longest", 2.0 * bumps.longest, "bumps.stretch", bumps.stretch, False),
+        ]
+    if preview is not None and road is not None:
+        reach = (RING - 4) * road.knot_spacing
+        orders.append(("speed * preview.horizon", p.speed * preview.horizon, "60 road.knot_spacing", reach, False))
+    for low_name, low, high_name, high, strict in orders:
+        if low > high or (strict and low == high):
+            rule = "be below" if strict else "not exceed"
+            raise ValueError(f"{low_name} = {low:g} is not allowed; it must {rule} {high_name} = {high:g}")
+    if bumps is not None and road is None:
+        raise ValueError("bumps = {...} is not allowed without a road; give road = true, or bumps = null")
+    if options["stop"] is not None and options["undulation"] is not None:
+        raise ValueError("stop = {...} is not allowed over an undulation; give undulation = null and road = true")
+    if options["undulation"] is None and road is None:
+        raise ValueError("road = null is not allowed without an undulation; give one of the two")
+
+
+TASK = Task(
+    name="terrain_ride",
+    params=model.Params,
+    options={
+        "undulation": Undulation,
+        "road": Road,
+        "bumps": Bumps,
+        "stop": TravelStop,
+        "payload": model.Payload,
+        "lag": model.ActuatorLag,
+        "preview": Preview,
+        "noise": SensorNoise,
+    },
+    state=model.State,
+    scenes={
+        "road": {
+            "road": True,
+            "bumps": True,
+            "stop": True,
+            "payload": True,
+            "lag": True,
+            "preview": True,
+            "noise": True,
+        },
+        "lecture": {"undulation": True, "damping": "absolute"},
+    },
+    default_scene="road",
+    levels={
+        "nominal": {},
+        "light": {"road": {"iso_class": "B"}, "payload": {"size": 0.5}},
+        "severe": {"road": {"iso_class": "D"}, "payload": {"size": 1.5}},
+    },
+    start=start,
+    advance=advance,
+    outcome=outcome,
+    observe=observe,
+    observation_channels=channels,
+    action_channels=action_channels,
+    metrics=metrics,
+    dt=lambda scene: model.CONTROL_INTERVAL,
+    validate=validate,
+)
+
+
+class TerrainRideEnv(ScalarEnv):
+    """Ride."""
+
+    task = TASK
+
+
+class TerrainRideBatchEnv(BatchEnv):
+    """Many `TerrainRideEnv` in one call; see there."""
+
+    task = TASK

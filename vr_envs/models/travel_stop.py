@@ -1,0 +1,85 @@
+"""Travel stop: an elastic rubber that acts beyond a given travel, with both its contacts located to rounding.
+
+The travel u = zeta - r [m] is the height of the mass over the wheel from the levelled equilibrium. While the road's
+slope, the damping and the spring stay as they are,
+
+    u'' + gamma u' + w2 u + stop(u) = push,    stop(u) = w2_stop (u - side travel) beyond side travel, else 0,
+
+with side = +1 or -1, so between contacts the motion is the free motion of a damped spring about an equilibrium. The
+rubber's force is continuous and never pulls. Its contacts are found by the certified march of `root.free_step`.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+from vr_envs.models.jit import kernel
+from vr_envs.models.record import quantity
+from vr_envs.models.root import free_step
+from vr_envs.models.spring import free_motion
+
+RESOLUTION = 1e-16  # s: a smaller step of the march no longer moves the mass
+MAX_CONTACTS = 64  # in one piece of road; each takes half a period of the rubber, some 0.1 s
+MAX_MARCH = 200  # steps of one search; the march converges quadratically
+
+
+@dataclasses.dataclass(frozen=True)
+class TravelStop:
+    """Rubber stops at both ends of the spring's travel; the episode ends when one is crushed."""
+
+    travel: float = quantity(0.08, "m", "travel at which a stop is touched, either way", low=1e-3, high=10.0)
+    rate: float = quantity(250e3, "N/m", "spring rate of the rubber", low=1.0, high=1e7)
+    crush: float = quantity(0.015, "m", "compression of the rubber that ends the episode", low=1e-4, high=10.0)
+
+
+@kernel
+def time_to_contact(u, rate, side, gamma, w2, push, w2_stop, travel, t):
+    """Time [s] until the mass touches a stop (side = 0) or leaves the stop `side` (+1, -1); `t` if not before t.
+
+    `u` [m] and `rate` = du/dt [m/s] are the present travel and its rate; push [m/s^2] is the constant acceleration.
+    """
+    stiff = w2 + w2_stop * abs(side)
+    centre = (push + side * w2_stop * travel) / stiff
+    # the energy about the equilibrium falls, so it bounds speed and acceleration for all later times
+    top_speed_2 = rate * rate + stiff * (u - centre) * (u - centre)
+    gap = travel - abs(u) if side == 0.0 else side * u - travel
+    if gap > 0.0 and top_speed_2 * t * t < gap * gap:
+        return t
+    curvature = (gamma + math.sqrt(stiff)) * math.sqrt(top_speed_2)
+    elapsed, now, now_rate = 0.0, u, rate
+    for _ in range(MAX_MARCH):
+        if side == 0.0:
+            up = free_step(max(0.0, travel - now), -now_rate, curvature)
+            down = free_step(max(0.0, travel + now), now_rate, curvature)
+            step = min(up, down)
+        else:
+            step = free_step(max(0.0, side * now - travel), side * now_rate, curvature)
+        elapsed += step
+        if step <= RESOLUTION or elapsed >= t:
+            break
+        now, now_rate = free_motion(u - centre, rate, gamma, stiff, elapsed)
+        now += centre
+    return min(elapsed, t)
+
+
+@kernel
+def move_with_stop(u, rate, side, gamma, w2, push, w2_stop, travel, t):
+    """Travel, its rate, the side of the stop in contact (0 if none) and the number of touches, after the time t."""
+    touches = 0
+    for _ in range(MAX_CONTACTS):
+        free_for = time_to_contact(u, rate, side, gamma, w2, push, w2_stop, travel, t)
+        stiff = w2 + w2_stop * abs(side)
+        centre = (push + side * w2_stop * travel) / stiff
+        x, rate = free_motion(u - centre, rate, gamma, stiff, free_for)
+        u = x + centre
+        t -= free_for
+        if t <= 0.0:
+            break
+        if side == 0.0:
+            side = math.copysign(1.0, u)
+            touches += 1
+        else:
+            side = 0.0
+        u = math.copysign(travel, u)
+    return u, rate, side, touches
