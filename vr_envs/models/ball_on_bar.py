@@ -352,6 +352,41 @@ def _interval(state, piece, s, end, params, scatter, spin, log):
 
 
 @kernel
+def piece_at(old, new, s, params):
+    """The `Piece` of bar motion at time `s` of a cycle that goes from the motion `old` to the motion `new`."""
+    blend = params.blend * params.period
+    if new == old or s >= blend:
+        return Piece(params.omega, 0.0, new, new)
+    change = (
+        new[0] - old[0], new[1] - old[1], new[2] - old[2], new[3] - old[3], new[4] - old[4], new[5] - old[5],
+    )  # fmt: skip
+    return Piece(params.omega, blend, old, change)
+
+
+@kernel
+def cycle(state, new, params, scatter, spin, log=None, until=None):
+    """Move the ball by one base cycle, or to the time `until` (s) in it, while the bar goes to the motion `new`.
+
+    The other arguments are those of `advance`.
+    """
+    if state.lost or state.fault:
+        return
+    end = params.period
+    if until is not None:
+        end = min(end, until)
+    m = state.motion
+    old = (m[0], m[1], m[2], m[3], m[4], m[5])
+    start = 0.0
+    if new != old:
+        start = params.blend * params.period
+        _interval(state, piece_at(old, new, 0.0, params), 0.0, min(start, end), params, scatter, spin, log)
+    if start < end and not (state.lost or state.fault):
+        _interval(state, piece_at(old, new, start, params), start, end, params, scatter, spin, log)
+    for k in range(6):
+        m[k] = new[k]
+
+
+@kernel
 def advance(state, action, params, scatter, spin, log=None):
     """Move the ball by one base cycle while the bar goes to the motion that `action` asks for.
 
@@ -364,19 +399,4 @@ def advance(state, action, params, scatter, spin, log=None):
         log: None, or an array (capacity, 5) that receives each impact, number i in row i modulo capacity: time in
             the cycle (s), x and z of the ball (m), normal and tangential approach velocity (m/s).
     """
-    if state.lost or state.fault:
-        return
-    m = state.motion
-    old = (m[0], m[1], m[2], m[3], m[4], m[5])
-    new = demanded(action, params)
-    start = 0.0
-    if new != old:
-        start = params.blend * params.period
-        change = (
-            new[0] - old[0], new[1] - old[1], new[2] - old[2], new[3] - old[3], new[4] - old[4], new[5] - old[5],
-        )  # fmt: skip
-        _interval(state, Piece(params.omega, start, old, change), 0.0, start, params, scatter, spin, log)
-    if start < params.period and not (state.lost or state.fault):
-        _interval(state, Piece(params.omega, 0.0, new, new), start, params.period, params, scatter, spin, log)
-    for k in range(6):
-        m[k] = new[k]
+    cycle(state, demanded(action, params), params, scatter, spin, log)
