@@ -125,14 +125,14 @@ def _actions(scene: Scene) -> tuple[Channel, ...]:
 def _metrics(states: np.ndarray, scene: Scene) -> dict[str, np.ndarray]:
     steps = np.maximum(states["steps"], 1)
     rms = np.sqrt(states["sum_x2"] / steps)
-    on_bar = ~(states["lost"] | states["fault"])
+    on_bar = (states["lost"] == 0) & (states["fault"] == 0)
     return {
         "is_success": on_bar & (rms <= 0.002),
         "on_bar": on_bar,
         "rms_x_mm": 1e3 * rms,
         "max_x_mm": 1e3 * states["max_x"],
         "impacts_per_cycle": states["impacts"] / steps,
-        "fault": states["fault"].copy(),
+        "fault": states["fault"] != 0,
     }
 
 

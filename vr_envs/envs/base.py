@@ -16,7 +16,7 @@ from gymnasium.utils import seeding
 from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 
-from vr_envs.envs.rows import rows_of
+from vr_envs.envs.rows import row_records, rows_of
 from vr_envs.envs.scene import resolve
 from vr_envs.envs.task import Channel, Task
 from vr_envs.models.record import dtype_of
@@ -52,7 +52,7 @@ class World:
     def actions(self, given: Any, shape: tuple[int, ...]) -> np.ndarray:
         """A fresh float64 copy of the actions, (n, width)."""
         try:
-            actions = np.array(given, dtype=np.float64)
+            actions = np.array(given, dtype=np.float64, order="C")
         except (TypeError, ValueError) as error:
             raise ValueError(f"action {given!r} is not an array of numbers; give shape {shape}") from error
         if actions.shape != shape:
@@ -65,8 +65,9 @@ class World:
         obs = np.empty((n, self.widths[0]), np.float32)
         rewards = np.zeros(n)
         terminated, truncated = np.zeros(n, np.bool_), np.zeros(n, np.bool_)
+        acts, seen = row_records(actions), row_records(obs)
         bad = self.rows.step(
-            self.states, actions, live, limit, obs, rewards, terminated, truncated, self.params, self.options
+            self.states, acts, live, limit, seen, rewards, terminated, truncated, self.params, self.options
         )
         if bad >= 0:
             raise ValueError(f"action of env {bad} is {actions[bad]}; every entry must be finite. Nothing was stepped")
@@ -176,11 +177,19 @@ class ScalarEnv(gym.Env[np.ndarray, np.ndarray]):
         obs, rewards, terminated, truncated = self.world.step(actions, self._live, self._limit)
         info: dict[str, Any] = {}
         if terminated[0] or truncated[0]:
-            info = {name: values[0] for name, values in self.world.metrics(self._row).items()}
+            info = self.metrics()
             self._ready = not terminated[0]
         if self.render_mode == "human":
             self.render()
         return obs[0], float(rewards[0]), bool(terminated[0]), False, info
+
+    def metrics(self) -> dict[str, Any]:
+        """Domain metrics of the episode so far, as the last step's info has them.
+
+        An environment does not see a time limit that `gym.make(..., max_episode_steps=n)` lays over the registered
+        one; ask for the metrics here then.
+        """
+        return {name: values[0].item() for name, values in self.world.metrics(self._row).items()}
 
     def get_state(self) -> np.void:
         """A copy of the record: with it and the actions, the episode replays to the same bytes."""

@@ -1,8 +1,8 @@
 """The one decorator for compiled kernels.
 
 Numba's own disk cache notices an edit of the file a function stands in, but not an edit of a function
-that it calls from another file, and it cannot recognise a closure again in the next process. Here the
-cache key is the text of every kernel source in the package, so a stale kernel is never loaded.
+that it calls from another file, and it cannot recognise a closure again in the next process. Here
+the cache is valid for one text of all kernel sources in the package, so a stale kernel is never loaded.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import numba
-from numba.core.caching import FunctionCache
+from numba.core.caching import FunctionCache, IndexDataCacheFile
 
 PACKAGE = Path(__file__).resolve().parent.parent
 KERNEL_FOLDERS = ("models", "envs")
@@ -30,11 +30,24 @@ def source_stamp() -> str:
     return digest.hexdigest()
 
 
+class _CacheFile(IndexDataCacheFile):
+    def save(self, key: Any, data: Any) -> None:
+        """Save under a name that belongs to this key and source alone: concurrent processes cannot mix kernels."""
+        number = int(hashlib.sha256(repr((self._source_stamp, key)).encode()).hexdigest()[:12], 16)
+        name = self._data_name(number)
+        self._save_data(name, data)
+        self._save_index({**self._load_index(), key: name})
+
+
 class _KernelCache(FunctionCache):
+    def __init__(self, function: Any) -> None:
+        super().__init__(function)
+        self._cache_file = _CacheFile(self._cache_path, self._impl.filename_base, source_stamp())
+
     def _index_key(self, sig: Any, codegen: Any) -> tuple[Any, ...]:
         cells = self._py_func.__closure__ or ()
         inner = tuple(f"{c.cell_contents.py_func.__module__}.{c.cell_contents.py_func.__qualname__}" for c in cells)
-        return (sig, codegen.magic_tuple(), source_stamp(), inner)
+        return (sig, codegen.magic_tuple(), inner)
 
 
 def kernel(function: Any) -> Any:

@@ -13,7 +13,8 @@ from typing import Any
 
 import numpy as np
 
-_NUMPY_TYPES = {"float": "f8", "int": "i8", "bool": "?", "key": "u8"}
+# every field takes eight bytes: a record without padding is the same bytes after every copy
+_NUMPY_TYPES = {"float": "f8", "int": "i8", "bool": "i8", "key": "u8"}
 
 
 def quantity(
