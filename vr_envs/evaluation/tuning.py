@@ -147,7 +147,7 @@ def tune(
     env_id: str,
     scene: str | None = None,
     policies: list[str] | None = None,
-    evaluations: int = 200,
+    evaluations: int = 300,
     scenarios: int = 64,
     seed: int = 0,
     progress: bool = False,
