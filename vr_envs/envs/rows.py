@@ -17,7 +17,7 @@ class Rows(NamedTuple):
     `reset(states, rows, keys, obs, params, options)`: start afresh the given rows from the given keys.
     `step(states, actions, live, limit, obs, rewards, terminated, truncated, params, options) -> int`: move the
     live rows by one control interval; -1, or the index of the first row with a non-finite action (then nothing
-    has changed). Actions are clipped to [-1, 1] in place.
+    has changed). Actions are clipped to [-1, 1] in place; `actions` and `obs` are given as `row_records`.
     `observe(states, obs, params, options)`: observations of all rows.
     """
 
@@ -26,16 +26,32 @@ class Rows(NamedTuple):
     observe: Any
 
 
+@cache
+def _row_dtype(dtype: np.dtype[Any], width: int) -> np.dtype[Any]:
+    return np.dtype([("row", dtype, (width,))])
+
+
+def row_records(array: np.ndarray) -> np.ndarray:
+    """The rows of a C-contiguous (n, width) array as n records with the one field `row`; shares its memory.
+
+    A kernel takes row i of a plain array as a new array whose owner is reference-counted, by atomic operations
+    that cost more than a short step; the field of a record is not counted.
+    """
+    return array.view(_row_dtype(array.dtype, array.shape[1]))[:, 0]
+
+
 @kernel
 def admit(actions: np.ndarray) -> int:
     """Clip a batch of actions to [-1, 1] in place; return the first row with a non-finite entry, or -1."""
     for i in range(actions.shape[0]):
-        for j in range(actions.shape[1]):
-            if not np.isfinite(actions[i, j]):
+        row = actions[i].row
+        for j in range(row.shape[0]):
+            if not np.isfinite(row[j]):
                 return i
     for i in range(actions.shape[0]):
-        for j in range(actions.shape[1]):
-            actions[i, j] = min(1.0, max(-1.0, actions[i, j]))
+        row = actions[i].row
+        for j in range(row.shape[0]):
+            row[j] = min(1.0, max(-1.0, row[j]))
     return -1
 
 
@@ -56,11 +72,11 @@ def _build(start: Any, advance: Any, outcome: Any, observe: Any) -> Rows:
             return bad
         for i in range(states.shape[0]):
             if live[i]:
-                advance(states[i], actions[i], params, *options)
+                advance(states[i], actions[i].row, params, *options)
                 states[i].steps += 1
-                rewards[i], terminated[i] = outcome(states[i], actions[i], params, *options)
+                rewards[i], terminated[i] = outcome(states[i], actions[i].row, params, *options)
                 truncated[i] = states[i].steps >= limit
-                observe(states[i], obs[i], params, *options)
+                observe(states[i], obs[i].row, params, *options)
         return -1
 
     @kernel

@@ -1,0 +1,190 @@
+"""The autopilot task: hold demanded altitude, airspeed and heading with smooth commands."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+
+from vr_envs.envs.autopilot_demands import START_DRAWS, Demands, DemandState, change_demands, move_demands
+from vr_envs.envs.autopilot_observation import BAND, channels, error, observe
+from vr_envs.envs.base import BatchEnv, ScalarEnv
+from vr_envs.envs.scene import Scene
+from vr_envs.envs.task import Channel, Task
+from vr_envs.models import autopilot as model
+from vr_envs.models.autopilot import left_envelope
+from vr_envs.models.jit import kernel
+from vr_envs.models.noise import normal_pair, uniform
+from vr_envs.models.record import quantity
+
+# mean command change per interval at which, and share of the score that, restless commands cost
+RESTLESS = 0.5
+RESTLESS_COST = 0.1
+SUCCESS_IN_BAND = 0.5
+
+
+@dataclasses.dataclass(frozen=True)
+class State(DemandState):
+    """The whole episode: aircraft, demands, the last two actions, and the sums from which metrics follow."""
+
+    action: float = quantity(0.0, "", "last action", shape=(3,))
+    earlier_action: float = quantity(0.0, "", "the action before", shape=(3,))
+    error_sum: float = quantity(0.0, "m, m/s, rad", "sum of |error| over the steps", shape=(3,))
+    movement_sum: float = quantity(0.0, "", "sum of the mean command change")
+    score_sum: float = quantity(0.0, "", "sum of the rewards")
+    in_band: int = quantity(0, "", "steps with all three errors within the band")
+    lost: bool = quantity(False, "", "the aircraft has left the envelope")
+
+
+@kernel
+def start(state, params, envelope, energy, lags, gust, track, demands):  # type: ignore[no-untyped-def]
+    """Level flight somewhere in the operating range, at the demands or at once with new ones."""
+    state.altitude = params.altitude_low + (params.altitude_high - params.altitude_low) * uniform(
+        state.key, START_DRAWS
+    )
+    state.speed = params.speed_low + (params.speed_high - params.speed_low) * uniform(state.key, START_DRAWS + 1)
+    state.heading = math.pi * (2.0 * uniform(state.key, START_DRAWS + 2) - 1.0)
+    state.demand[0], state.demand[1], state.demand[2] = state.altitude, state.speed, state.heading
+    if gust is not None:
+        vertical, along = normal_pair(state.key, START_DRAWS // 2 + 2)
+        state.gust_vertical, state.gust_along = gust.vertical * vertical, gust.along * along
+    if track is not None:
+        state.x, state.z = track.x, track.z
+    if demands is not None:
+        change_demands(state, params, envelope, demands)
+
+
+@kernel
+def advance(state, action, params, envelope, energy, lags, gust, track, demands):  # type: ignore[no-untyped-def]
+    """Aircraft and ramping demands over one control interval."""
+    model.advance(state, action, params, envelope, energy, lags, gust, track)
+    if demands is not None:
+        move_demands(state, params)
+
+
+@kernel
+def outcome(state, action, params, envelope, energy, lags, gust, track, demands):  # type: ignore[no-untyped-def]
+    """Score the interval that has ended; then, when due, change the demands."""
+    closeness, movement, inside = 0.0, 0.0, True
+    for channel in range(3):
+        away = abs(error(state, channel))
+        state.error_sum[channel] += away
+        closeness += BAND[channel] / (BAND[channel] + away)
+        inside = inside and away <= BAND[channel]
+        movement += abs(action[channel] - state.action[channel])
+        state.earlier_action[channel] = state.action[channel]
+        state.action[channel] = action[channel]
+    state.movement_sum += movement / 3.0
+    state.in_band += inside
+    state.lost = left_envelope(state, params)
+    reward = 0.0
+    if not state.lost:
+        reward = closeness / 3.0 * (1.0 - RESTLESS_COST * min(movement / 3.0 / RESTLESS, 1.0))
+    state.score_sum += reward
+    if demands is not None:  # noqa: SIM102 (numba prunes a bare test of None)
+        if state.steps >= state.next_change:
+            change_demands(state, params, envelope, demands)
+    return reward, state.lost
+
+
+def metrics(states: np.ndarray, scene: Scene) -> dict[str, np.ndarray]:
+    """Domain metrics of episodes, one value per record.
+
+    score: mean reward; altitude_error [m], airspeed_error [m/s], heading_error [deg]: mean absolute errors;
+    time_in_band: share of the time with all three errors within 15 m, 1 m/s and 0.5 deg; movement: mean change
+    of the commands per interval; left_envelope; is_success: never left the envelope and at least half of the
+    time in band.
+    """
+    steps = np.maximum(states["steps"], 1)
+    mean_error = states["error_sum"] / steps[:, None]
+    time_in_band = states["in_band"] / steps
+    return {
+        "is_success": (states["lost"] == 0) & (time_in_band >= SUCCESS_IN_BAND),
+        "score": states["score_sum"] / steps,
+        "altitude_error": mean_error[:, 0],
+        "airspeed_error": mean_error[:, 1],
+        "heading_error": np.degrees(mean_error[:, 2]),
+        "time_in_band": time_in_band,
+        "movement": states["movement_sum"] / steps,
+        "left_envelope": states["lost"] != 0,
+    }
+
+
+def action_channels(scene: Scene) -> tuple[Channel, ...]:
+    """The three commands, each a fraction of its limit."""
+    p = scene.params
+    climbs = "" if scene.options["envelope"] is None else ", climb limit falling with altitude"
+    turns = "" if scene.options["envelope"] is None else ", limited by bank"
+    return (
+        Channel("vertical speed command", "m/s", f"-1 descends at {p.descent:g}, 1 climbs at {p.climb:g} m/s{climbs}"),
+        Channel("acceleration command", "m/s^2", f"-1 is -{p.deceleration:g}, 1 is {p.acceleration:g} m/s^2"),
+        Channel("turn command", "rad/s", f"-1 is -{p.turn:.4g}, 1 is {p.turn:.4g} rad/s{turns}"),
+    )
+
+
+def validate(scene: Scene) -> None:
+    """The ranges must be ordered and the operating range must lie inside the envelope."""
+    p, demands = scene.params, scene.options["demands"]
+    orders = [
+        ("altitude_low", p.altitude_low, "altitude_high", p.altitude_high),
+        ("altitude_high", p.altitude_high, "ceiling", p.ceiling),
+        ("stall_speed", p.stall_speed, "speed_low", p.speed_low),
+        ("speed_low", p.speed_low, "speed_high", p.speed_high),
+        ("speed_high", p.speed_high, "top_speed", p.top_speed),
+    ]
+    if demands is not None:
+        orders += [
+            ("demands.hold_low", demands.hold_low, "demands.hold_high", demands.hold_high),
+            ("demands.share_low", demands.share_low, "demands.share_high", demands.share_high),
+        ]
+    for low_name, low, high_name, high in orders:
+        if low > high:
+            raise ValueError(f"{low_name} = {low:g} is not allowed; it must not exceed {high_name} = {high:g}")
+
+
+TASK = Task(
+    name="autopilot",
+    params=model.Params,
+    options={
+        "envelope": model.Envelope,
+        "energy": model.Energy,
+        "lags": model.Lags,
+        "gust": model.Gust,
+        "track": model.Track,
+        "demands": Demands,
+    },
+    state=State,
+    scenes={
+        "airliner": {"envelope": True, "energy": True, "lags": True, "gust": True, "demands": True},
+        "lecture": {"track": True, "demands": True},
+    },
+    default_scene="airliner",
+    # scale of MIL-F-8785C: light turbulence is about 1.5 m/s, moderate 3 m/s
+    levels={
+        "nominal": {},
+        "light": {"gust": {"vertical": 1.5, "along": 0.5}},
+        "severe": {"gust": {"vertical": 3.0, "along": 1.0}},
+    },
+    start=start,
+    advance=advance,
+    outcome=outcome,
+    observe=observe,
+    observation_channels=channels,
+    action_channels=action_channels,
+    metrics=metrics,
+    dt=lambda scene: scene.params.dt,
+    validate=validate,
+)
+
+
+class AutopilotEnv(ScalarEnv):
+    """Fly an airliner to demanded altitude, airspeed and heading."""
+
+    task = TASK
+
+
+class AutopilotBatchEnv(BatchEnv):
+    """Many `AutopilotEnv` in one call; see there."""
+
+    task = TASK

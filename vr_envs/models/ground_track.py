@@ -1,0 +1,68 @@
+"""Ground track of an aircraft: x' = v sin(psi), z' = v cos(psi), psi from the z axis towards x.
+
+With constant acceleration and turn rate it has a closed form; with lagging rates it is integrated by
+Gauss-Legendre quadrature on the smooth pieces, in panels short enough for an error below rounding.
+The speed over the ground is the airspeed without the gust.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from vr_envs.models.jit import kernel
+from vr_envs.models.lag import clamped_lag, ramp_time
+
+_POINTS, _WEIGHTS = (tuple(float(v) for v in half) for half in np.polynomial.legendre.leggauss(10))
+
+
+@kernel
+def spherical_bessel(q: float) -> tuple[float, float]:
+    """Spherical Bessel functions j0(q) = sin q / q and j1(q) = (sin q - q cos q) / q^2."""
+    s = q * q
+    if s < 0.25:
+        j0 = 1 - s / 6 * (1 - s / 20 * (1 - s / 42 * (1 - s / 72 * (1 - s / 110 * (1 - s / 156)))))
+        j1 = q / 3 * (1 - s / 10 * (1 - s / 28 * (1 - s / 54 * (1 - s / 88 * (1 - s / 130 * (1 - s / 180))))))
+        return j0, j1
+    return math.sin(q) / q, (math.sin(q) - q * math.cos(q)) / s
+
+
+@kernel
+def uniform_turn(state, duration):  # type: ignore[no-untyped-def]
+    """Move x and z over `duration` [s] with the state's acceleration and turn rate constant.
+
+    About the middle of the interval (speed V, heading P, half turn q) the integrals of (V + a s) sin, cos(P + w s)
+    are spherical Bessel functions, regular as w -> 0.
+    """
+    half = 0.5 * duration
+    q = state.turn_rate * half
+    j0, j1 = spherical_bessel(q)
+    chord = duration * (state.speed - state.gust_along + state.acceleration * half) * j0
+    skew = duration * state.acceleration * half * j1
+    sine, cosine = math.sin(state.heading + q), math.cos(state.heading + q)
+    state.x += chord * sine + skew * cosine
+    state.z += chord * cosine - skew * sine
+
+
+@kernel
+def turn_with_lags(state, acceleration, turn_rate, turn_slew, duration, lags):  # type: ignore[no-untyped-def]
+    """Move x and z over `duration` [s] while acceleration and turn rate follow the commands given."""
+    first = min(duration, ramp_time(state.acceleration, acceleration, lags.along, lags.jerk))
+    second = min(duration, ramp_time(state.turn_rate, turn_rate, lags.turn, turn_slew))
+    ground_speed = state.speed - state.gust_along
+    # decays per second and radians per second: a panel spans at most one of either
+    pace = max(1.0 / lags.along, 1.0 / lags.turn, abs(state.turn_rate), abs(turn_rate))
+    begin = 0.0
+    for piece in range(3):
+        end = duration if piece == 2 else (max(first, second) if piece else min(first, second))
+        panels = math.ceil((end - begin) * pace)
+        for panel in range(panels):
+            half = 0.5 * (end - begin) / panels
+            for point, weight in zip(_POINTS, _WEIGHTS):  # noqa: B905 (numba knows no strict)
+                time = begin + half * (2 * panel + 1 + point)
+                _, gain = clamped_lag(state.acceleration, acceleration, lags.along, lags.jerk, time)
+                _, turned = clamped_lag(state.turn_rate, turn_rate, lags.turn, turn_slew, time)
+                state.x += weight * half * (ground_speed + gain) * math.sin(state.heading + turned)
+                state.z += weight * half * (ground_speed + gain) * math.cos(state.heading + turned)
+        begin = end
