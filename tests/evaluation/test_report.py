@@ -1,5 +1,6 @@
 import json
 import math
+import sys
 
 import numpy as np
 import pytest
@@ -99,7 +100,7 @@ def test_without_a_scale_the_table_has_a_dash_and_the_json_a_null(toy, monkeypat
         def __init__(self, scene):
             super().__init__(scene, 0.0)
 
-    monkeypatch.setitem(__import__("sys").modules["vr_envs.controllers.toy"].LAWS, "proportional", Idle)
+    monkeypatch.setitem(sys.modules["vr_envs.controllers.toy"].LAWS, "proportional", Idle)
     report = evaluate_ladder(toy, n=10)
     assert math.isnan(rows_of(report)["cancel"].normalised.value)
     assert report.as_dict()["policies"]["cancel"]["normalised"]["value"] is None

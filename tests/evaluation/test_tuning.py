@@ -1,4 +1,5 @@
 import json
+import sys
 
 import numpy as np
 import pytest
@@ -78,6 +79,20 @@ def test_the_ladder_uses_what_was_stored_and_other_entries_stay(toy):
 
 
 def test_what_has_nothing_to_tune_is_refused(toy):
-    with pytest.raises(ValueError, match="best-constant, proportional"):
+    with pytest.raises(ValueError, match="proportional, best-constant"):
         tune(toy, policies=["cancel"])
     assert not tuned_file(TASK).exists()
+
+
+def test_the_best_constant_is_no_worse_than_a_law_that_is_constant(toy, monkeypatch):
+    class Half(Constant):
+        TUNABLE = {}
+
+        def __init__(self, scene):
+            super().__init__(np.array([-0.5]))
+
+    monkeypatch.setitem(sys.modules["vr_envs.controllers.toy"].LAWS, "half", Half)
+    # so few rollouts do not come this close by themselves
+    found = tune(toy, "biased", ["best-constant"], 30, 8)["best-constant"]
+    check = scenario_set(toy, "biased", n=32, seed=1, side="training")
+    assert found["check_score"] >= rollout(Constant(np.array([-0.5])), check).scores.mean()

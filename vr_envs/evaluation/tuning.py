@@ -10,14 +10,14 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 from tqdm import tqdm
 
-from vr_envs.controllers.ladder import CONSTANT, constant, laws_of, tuned_file, tuned_of
-from vr_envs.controllers.policy import Policy
+from vr_envs.controllers.ladder import CONSTANT, constant, ladder, laws_of, tuned_file, tuned_of
+from vr_envs.controllers.policy import Constant, Policy
 from vr_envs.envs.scene import Scene
 from vr_envs.envs.task import Task
 from vr_envs.evaluation.files import write_json
@@ -60,13 +60,21 @@ def _logarithmic(low: float, high: float) -> bool:
 
 
 def candidates(task: Task, scene: Scene) -> dict[str, Candidate]:
-    """What can be tuned in `scene`: the constant action, and every law with a gain in its `TUNABLE`."""
+    """What can be tuned in `scene`: every law with a gain in its `TUNABLE`, and last the constant action."""
+    found = {
+        name: Candidate(law.TUNABLE, lambda gains, law=law: law(scene, **gains))
+        for name, law in laws_of(task).items()
+        if law.TUNABLE
+    }
     channels = {c.name: (-1.0, 1.0, 0.0) for c in task.action_channels(scene)}
-    found = {CONSTANT: Candidate(channels, lambda gains: constant(task, scene, gains))}
-    for name, law in laws_of(task).items():
-        if law.TUNABLE:
-            found[name] = Candidate(law.TUNABLE, lambda gains, law=law: law(scene, **gains))
+    found[CONSTANT] = Candidate(channels, lambda gains: constant(task, scene, gains))
     return found
+
+
+def _constant_laws(task: Task, scene: Scene) -> list[np.ndarray]:
+    """The actions of the laws that are constants, as points of the unit cube: the best constant is no worse."""
+    policies = [policy for name, policy in ladder(task, scene).items() if name in laws_of(task)]
+    return [(policy.action + 1.0) / 2.0 for policy in policies if isinstance(policy, Constant)]
 
 
 def _search(
@@ -90,7 +98,13 @@ def _search(
 
 
 def tune_policy(
-    candidate: Candidate, train: ScenarioSet, check: ScenarioSet, evaluations: int, seed: int, bar: Any = None
+    candidate: Candidate,
+    train: ScenarioSet,
+    check: ScenarioSet,
+    evaluations: int,
+    seed: int,
+    known: Sequence[np.ndarray] = (),
+    bar: Any = None,
 ) -> dict[str, Any]:
     """The best gains found, with the scores that chose them.
 
@@ -100,6 +114,7 @@ def tune_policy(
         check: fresh scenarios on which the finalists meet.
         evaluations: rollouts of the search; a CMA-ES generation that has begun is finished.
         seed: of the random points and of CMA-ES.
+        known: points of the unit cube that are good already; they join the random ones and the finalists.
         bar: a tqdm bar to move on by one per rollout of the search, or None.
     """
 
@@ -112,13 +127,14 @@ def tune_policy(
         return score_on(train, unit)
 
     origin = candidate.default()
-    points = np.random.default_rng(seed).uniform(size=(max(2, evaluations // 10), len(origin)))
-    best_random = points[int(np.argmax([score(point) for point in points]))]
+    points = [*known, *np.random.default_rng(seed).uniform(size=(max(2, evaluations // 10), len(origin)))]
+    best = points[int(np.argmax([score(point) for point in points]))]
     budget = (evaluations - len(points)) // 2
     finalists = [
         origin,
+        *known,
         *_search(score, origin, budget, seed + 1, 0.2),
-        *_search(score, best_random, budget, seed + 2, 0.3),
+        *_search(score, best, budget, seed + 2, 0.3),
     ]
     checked = [score_on(check, point) for point in finalists]
     winner = int(np.argmax(checked))
@@ -152,7 +168,7 @@ def tune(
     seed: int = 0,
     progress: bool = False,
 ) -> dict[str, dict[str, Any]]:
-    """Tune policies in a preset and write them to the task's tuned file; returns what was written, by policy.
+    """Tune policies in a preset; each is stored in the task's tuned file when it is done. Returns what was stored.
 
     Args:
         env_id: a registered id.
@@ -174,21 +190,25 @@ def tune(
     chosen = choose_tunable(tunable, policies)
     found = {}
     with tqdm(total=len(chosen) * evaluations, unit="rollout", disable=None if progress else True) as bar:
-        for policy in chosen:
+        for policy in sorted(chosen, key=list(tunable).index):
             bar.set_description(policy)
-            command = (
-                f"vr-envs tune {train.env_id} --scene {name} --policy {policy} "
-                f"--evaluations {evaluations} --scenarios {scenarios} --seed {seed}"
-            )
+            known = _constant_laws(task, train.scene) if policy == CONSTANT else []
             found[policy] = {
-                **tune_policy(tunable[policy], train, check, evaluations, seed, bar),
+                **tune_policy(tunable[policy], train, check, evaluations, seed, known, bar),
                 "seed": seed,
                 "evaluations": evaluations,
                 "scenarios": scenarios,
-                "command": command,
+                "command": (
+                    f"vr-envs tune {train.env_id} --scene {name} --policy {policy} "
+                    f"--evaluations {evaluations} --scenarios {scenarios} --seed {seed}"
+                ),
             }
+            _store(task, name, policy, found[policy])
+    return found
+
+
+def _store(task: Task, scene: str, policy: str, entry: dict[str, Any]) -> None:
     stored = tuned_of(task)
-    stored[name] = {**stored.get(name, {}), **found}
+    stored[scene] = {**stored.get(scene, {}), policy: entry}
     tuned_file(task).parent.mkdir(exist_ok=True)
     write_json(tuned_file(task), stored)
-    return found
