@@ -75,5 +75,7 @@ def test_restitution_factor_is_exact_over_its_interval():
 
 
 def test_agrees_with_a_general_integrator():
-    solution = solve_ivp(lambda t, y: (y[1], -58.0 * y[0] - 3.0 * y[1]), (0, 1), (0.03, -0.4), "DOP853", rtol=1e-13, atol=1e-16)
+    solution = solve_ivp(
+        lambda t, y: (y[1], -58.0 * y[0] - 3.0 * y[1]), (0, 1), (0.03, -0.4), "DOP853", rtol=1e-13, atol=1e-16
+    )
     assert free_motion(0.03, -0.4, 3.0, 58.0, 1.0) == pytest.approx(solution.y[:, -1], rel=1e-11)

@@ -136,7 +136,7 @@ TASK = Task(
     levels={
         "nominal": {},
         "light": {"road": {"iso_class": "B"}, "payload": {"size": 0.5}},
-        "severe": {"road": {"iso_class": "D"}, "payload": {"size": 1.5}},
+        "severe": {"road": {"iso_class": "D"}},
     },
     start=start,
     advance=advance,

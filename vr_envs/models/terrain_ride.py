@@ -38,8 +38,8 @@ class Params:
     spring_rate: float = quantity(16812.0, "N/m", "spring rate at modulus 1", low=1.0, high=1e7)
     speed: float = quantity(20.0, "m/s", "speed over the ground", low=0.1, high=100.0)
     damping: str = quantity("relative", "", "what the damper acts on", choices=("relative", "absolute"))
-    damping_low: float = quantity(0.6, "1/s", "least damping c/m", low=1e-3, high=1e3)
-    damping_high: float = quantity(14.0, "1/s", "greatest damping c/m", low=1e-3, high=1e3)
+    damping_low: float = quantity(0.3, "1/s", "least damping c/m", low=1e-3, high=1e3)
+    damping_high: float = quantity(10.0, "1/s", "greatest damping c/m", low=1e-3, high=1e3)
     modulus_low: float = quantity(0.5, "", "least spring modulus, as a fraction", low=0.01, high=100.0)
     modulus_high: float = quantity(2.0, "", "greatest spring modulus, as a fraction", low=0.01, high=100.0)
     actuation: str = quantity(

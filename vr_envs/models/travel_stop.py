@@ -20,7 +20,7 @@ from vr_envs.models.root import free_step
 from vr_envs.models.spring import free_motion
 
 RESOLUTION = 1e-16  # s: a smaller step of the march no longer moves the mass
-MAX_CONTACTS = 64  # in one piece of road; each takes half a period of the rubber, some 0.1 s
+MAX_CONTACTS = 64  # in one piece of road; two of them are half a period of the rubber apart, some 0.1 s
 MAX_MARCH = 200  # steps of one search; the march converges quadratically
 
 
@@ -34,16 +34,34 @@ class TravelStop:
 
 
 @kernel
+def _phase(side, w2, push, w2_stop, travel):
+    """Stiffness over mass, and the equilibrium, free (side = 0) or against the stop `side`."""
+    stiff = w2 + w2_stop * abs(side)
+    return stiff, (push + side * w2_stop * travel) / stiff
+
+
+@kernel
+def _move(u, rate, side, gamma, w2, push, w2_stop, travel, t):
+    """Travel and its rate after a time t in which the mass neither touches nor leaves a stop."""
+    stiff, centre = _phase(side, w2, push, w2_stop, travel)
+    x, rate = free_motion(u - centre, rate, gamma, stiff, t)
+    return x + centre, rate
+
+
+@kernel
 def time_to_contact(u, rate, side, gamma, w2, push, w2_stop, travel, t):
     """Time [s] until the mass touches a stop (side = 0) or leaves the stop `side` (+1, -1); `t` if not before t.
 
     `u` [m] and `rate` = du/dt [m/s] are the present travel and its rate; push [m/s^2] is the constant acceleration.
     """
-    stiff = w2 + w2_stop * abs(side)
-    centre = (push + side * w2_stop * travel) / stiff
+    stiff, centre = _phase(side, w2, push, w2_stop, travel)
+    gap = travel - abs(u) if side == 0.0 else side * u - travel
+    if gap <= 0.0 and rate == 0.0:
+        # at rest on the boundary the acceleration, which is the same on both sides, decides
+        outwards = math.copysign(1.0, u) * stiff * (centre - u)
+        return 0.0 if (outwards > 0.0 if side == 0.0 else outwards < 0.0) else t
     # the energy about the equilibrium falls, so it bounds speed and acceleration for all later times
     top_speed_2 = rate * rate + stiff * (u - centre) * (u - centre)
-    gap = travel - abs(u) if side == 0.0 else side * u - travel
     if gap > 0.0 and top_speed_2 * t * t < gap * gap:
         return t
     curvature = (gamma + math.sqrt(stiff)) * math.sqrt(top_speed_2)
@@ -55,12 +73,15 @@ def time_to_contact(u, rate, side, gamma, w2, push, w2_stop, travel, t):
             step = min(up, down)
         else:
             step = free_step(max(0.0, side * now - travel), side * now_rate, curvature)
+        # not step > ...: 0/0 is a touch at rest
+        if not step > RESOLUTION:
+            return elapsed
         elapsed += step
-        if step <= RESOLUTION or elapsed >= t:
-            break
+        if elapsed >= t:
+            return t
         now, now_rate = free_motion(u - centre, rate, gamma, stiff, elapsed)
         now += centre
-    return min(elapsed, t)
+    return elapsed
 
 
 @kernel
@@ -69,17 +90,12 @@ def move_with_stop(u, rate, side, gamma, w2, push, w2_stop, travel, t):
     touches = 0
     for _ in range(MAX_CONTACTS):
         free_for = time_to_contact(u, rate, side, gamma, w2, push, w2_stop, travel, t)
-        stiff = w2 + w2_stop * abs(side)
-        centre = (push + side * w2_stop * travel) / stiff
-        x, rate = free_motion(u - centre, rate, gamma, stiff, free_for)
-        u = x + centre
+        u, rate = _move(u, rate, side, gamma, w2, push, w2_stop, travel, free_for)
         t -= free_for
         if t <= 0.0:
-            break
-        if side == 0.0:
-            side = math.copysign(1.0, u)
-            touches += 1
-        else:
-            side = 0.0
+            return u, rate, side, touches
         u = math.copysign(travel, u)
+        touches += side == 0.0
+        side = math.copysign(1.0, u) if side == 0.0 else 0.0
+    u, rate = _move(u, rate, side, gamma, w2, push, w2_stop, travel, t)
     return u, rate, side, touches
