@@ -1,4 +1,9 @@
 import pytest
+from hypothesis import settings
+
+# the first example of a test may compile a kernel; the same examples in every run
+settings.register_profile("suite", deadline=None, derandomize=True)
+settings.load_profile("suite")
 
 
 @pytest.fixture

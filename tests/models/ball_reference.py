@@ -52,11 +52,17 @@ class Reference:
             if self.gap(new, b, s) > 0:
                 self.fly(period - s)
                 break
-            t = mp.findroot(lambda v: self.gap(new, v, s), (a, b), solver="illinois", tol=mp.mpf(10) ** -80, verify=False)  # noqa: B023
+            t = self.root(new, s, a, b)
             self.fly(t - s)
             s, just_left = t, True
             self.collide(new, s, *draws(len(self.impacts)))
         self.old = new
+
+    def root(self, new, s, a, b):
+        """The contact between a and b of the flight that began at s."""
+        return mp.findroot(
+            lambda t: self.gap(new, t, s), (a, b), solver="illinois", tol=mp.mpf(10) ** -80, verify=False
+        )
 
     def fly(self, t):
         self.x += self.u * t
