@@ -9,7 +9,7 @@ import pytest
 
 from tests.toy import LIMIT
 from vr_envs.__main__ import main
-from vr_envs.cli.render import pace
+from vr_envs.cli.render import pace, pictures
 from vr_envs.envs.registry import ids, task_of
 from vr_envs.envs.scene import resolve
 
@@ -113,13 +113,20 @@ class Artist:
     """Stands in for the pictures: a frame is filled with the step count of the state it shows."""
 
     def __init__(self, *_):
-        self.closed = False
+        pass
 
     def draw(self, state):
         return np.full((4, 4, 3), state["steps"], np.uint8)
 
     def close(self):
-        self.closed = True
+        pass
+
+
+class SlowArtist(Artist):
+    def frames(self, before, after, n):
+        assert before["steps"] + 1 == after["steps"]
+        for k in range(n):
+            yield np.full((4, 4, 3), 100 * k + after["steps"], np.uint8)
 
 
 @pytest.fixture
@@ -157,9 +164,26 @@ def test_render_refuses_in_one_line(toy, film, capsys, tmp_path):
     assert film == {}
 
 
-def test_render_without_its_packages_says_what_to_install(toy, capsys, monkeypatch, tmp_path):
-    monkeypatch.setitem(sys.modules, "vr_envs.render", None)
-    assert 'pip install "vr_envs[render]"' in refused(capsys, "render", toy, "--out", str(tmp_path / "a.gif"))
+def test_render_between_the_steps_is_slow_motion(toy, film, capsys, tmp_path):
+    path = str(tmp_path / "a.gif")
+    arguments = ("render", toy, "--out", path, "--seconds", "0.3", "--between", "2")
+    assert "no pictures between" in refused(capsys, *arguments)
+    sys.modules["vr_envs.render"].painter = SlowArtist
+    assert main(arguments) == 0
+    assert film[path] == ([0, 1, 101, 2, 102, 3, 103], 30.0)
+
+
+def test_render_without_its_packages_says_what_to_install(capsys, monkeypatch, tmp_path):
+    for module in ("pygame", "imageio", "imageio.v2"):
+        monkeypatch.setitem(sys.modules, module, None)
+    assert 'pip install "vr_envs[render]"' in refused(capsys, "render", "BallOnBar", "--out", str(tmp_path / "a.gif"))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_strides_keep_the_first_and_the_last_state():
+    states = [np.array([(k,)], [("steps", "i8")])[0] for k in range(6)]
+    shown = [int(f[0, 0, 0]) for f in pictures(Artist(), states, 2, 1)]
+    assert shown == [0, 2, 4, 5]
 
 
 @pytest.mark.parametrize(("dt", "stride", "fps"), [(0.01, 3, 1 / 0.03), (1 / 15, 1, 15.0), (1.0, 1, 10.0)])

@@ -6,7 +6,7 @@ import pytest
 
 from tests.toy import DT, LIMIT, Proportional
 from vr_envs.controllers.policy import Constant, Random
-from vr_envs.evaluation.rollout import rollout
+from vr_envs.evaluation.rollout import episode, rollout
 from vr_envs.evaluation.scenarios import scenario_set
 from vr_envs.models.noise import uniform
 
@@ -101,3 +101,13 @@ def test_ticks_add_up_to_the_time_limit(toy, action):
     ticks = []
     rollout(Constant(np.array([action])), scenario_set(toy, NARROW, n=5), ticks.append)
     assert sum(ticks) == LIMIT
+
+
+@pytest.mark.parametrize("scene", ["biased", NARROW])
+def test_the_states_of_an_episode_lead_to_the_metrics_of_the_rollout(toy, scene):
+    scenarios = scenario_set(toy, scene, n=5)
+    run = rollout(Constant(np.ones(1)), scenarios)
+    for k, key in enumerate(scenarios.keys):
+        states = list(episode(Constant(np.ones(1)), scenarios.task, scenarios.world, int(key), LIMIT))
+        assert [state["steps"] for state in states] == list(range(run.lengths[k] + 1))
+        assert states[-1]["x"] == run.metrics["final"][k]

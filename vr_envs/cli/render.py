@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from vr_envs.cli.common import UserError, add_command, add_scene, check_writable, positive, scene_of, user_input, whole
+
+if TYPE_CHECKING:
+    import numpy as np
 
 SUFFIXES = (".gif", ".mp4", ".png")
 FRAMES_PER_SECOND = 30.0
@@ -20,6 +24,7 @@ def add(commands: Any) -> None:
         "render",
         "draw one episode of a policy that needs no training",
         "  vr-envs render BallOnBar-v0\n"
+        "  vr-envs render BallOnBar-v0 --seconds 1 --between 40 --out impacts.mp4\n"
         "  vr-envs render Autopilot-v0 --policy random --scenario 7 --out flight.mp4\n"
         "  vr-envs render TerrainRide-v0 --scene lecture --seconds 2 --out ride.png",
     )
@@ -31,15 +36,25 @@ def add(commands: Any) -> None:
     )
     parser.add_argument("--out", metavar="FILE", help=".gif, .mp4 or .png (the last picture); default <system>.gif")
     parser.add_argument("--seconds", type=positive, help="simulated seconds at most; default: the whole episode")
+    parser.add_argument(
+        "--between",
+        type=whole(1),
+        default=1,
+        metavar="N",
+        help="pictures per control interval, where the system has such: slow motion",
+    )
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Write the picture."""
+    from tqdm import tqdm
+
     from vr_envs.controllers.ladder import baseline_of, ladder
     from vr_envs.envs.registry import limit_of, task_of
     from vr_envs.envs.scene import resolve
     from vr_envs.evaluation.report import choose
+    from vr_envs.evaluation.rollout import episode
     from vr_envs.evaluation.scenarios import scenario_keys
 
     with user_input():
@@ -56,45 +71,43 @@ def run(arguments: argparse.Namespace) -> None:
     check_writable(out)
     steps = limit if arguments.seconds is None else min(limit, max(1, round(arguments.seconds / task.dt(scene))))
     try:
-        _write(out, task, scene, policies[name], key, steps)
+        from vr_envs.render import painter, write_animation
+
+        with user_input():
+            artist = painter(task.name, scene, "rgb_array")
+        if arguments.between > 1 and not hasattr(artist, "frames"):
+            raise UserError(f"--between {arguments.between}: {task.name} has no pictures between its control intervals")
+        states = tqdm(episode(policies[name], task, scene, key, steps), total=steps + 1, unit="step", disable=None)
+        stride, fps = pace(task.dt(scene), arguments.between)
+        write_animation(out, pictures(artist, states, stride, arguments.between), fps)
+        artist.close()
     except ImportError as error:
-        raise UserError(f'pictures need more packages: pip install "vr_envs[render]" ({error})') from error
+        raise UserError(str(error)) from error
     print(out)
 
 
-def pace(dt: float) -> tuple[int, float]:
-    """Control intervals per picture and pictures per second: real time, but never below 10 pictures per second."""
+def pace(dt: float, between: int = 1) -> tuple[int, float]:
+    """Control intervals per picture, and pictures per second.
+
+    Real time, but never below 10 pictures per second; with pictures in between, slow motion at 30 per second.
+    """
+    if between > 1:
+        return 1, FRAMES_PER_SECOND
     stride = max(1, round(1.0 / (FRAMES_PER_SECOND * dt)))
     return stride, max(SLOWEST, 1.0 / (stride * dt))
 
 
-def _write(out: str, task: Any, scene: Any, policy: Any, key: int, steps: int) -> None:
-    import numpy as np
-    from tqdm import tqdm
-
-    from vr_envs.envs.base import World
-    from vr_envs.render import painter, write_animation
-
-    world = World(task, scene.as_dict(), 1)
-    observations = np.empty((1, world.widths[0]), np.float32)
-    live = np.ones(1, np.bool_)
-    world.reset(np.zeros(1, np.intp), np.array([key], np.uint64), observations)
-    policy.reset(1)
-    artist = painter(task.name, world.scene, "rgb_array")
-    stride, fps = pace(task.dt(scene))
-    frames = [artist.draw(world.states[0])]
-    for step in tqdm(range(1, steps + 1), unit="step", disable=None):
-        actions = world.actions(policy(observations), (1, world.widths[1]))
-        observations, _, terminated, _ = world.step(actions, live, steps)
-        last = bool(terminated[0]) or step == steps
-        if last or step % stride == 0:
-            frames.append(artist.draw(world.states[0]))
-        if last:
-            break
-    artist.close()
-    if out.endswith(".png"):
-        from imageio.v3 import imwrite
-
-        imwrite(out, frames[-1])
-    else:
-        write_animation(out, frames, fps)
+def pictures(artist: Any, states: Iterable[np.void], stride: int, between: int) -> Iterator[np.ndarray]:
+    """The first state, then every `stride`-th one and the last; or each with `between` - 1 pictures before it."""
+    before = state = None
+    step = shown = 0
+    for step, state in enumerate(states):
+        if before is not None and between > 1:
+            yield from artist.frames(before, state, between)
+            shown = step
+        elif step % stride == 0:
+            yield artist.draw(state)
+            shown = step
+        before = state
+    if shown != step:
+        yield artist.draw(state)

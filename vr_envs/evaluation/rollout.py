@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
 from vr_envs.controllers.policy import Policy
 from vr_envs.envs.base import World
+from vr_envs.envs.scene import Scene
+from vr_envs.envs.task import Task
 from vr_envs.evaluation.scenarios import ScenarioSet
 
 
@@ -60,3 +62,18 @@ def rollout(policy: Policy, scenarios: ScenarioSet, tick: Callable[[int], object
     if tick is not None:
         tick(scenarios.limit - done)
     return Rollout(scores / scenarios.limit, lengths, ended, world.metrics(np.arange(n)))
+
+
+def episode(policy: Policy, task: Task, scene: Scene, key: int, limit: int) -> Iterator[np.void]:
+    """Copies of the state record of one episode: at the start and after each control interval, at most `limit`."""
+    world = World(task, scene.as_dict(), 1)
+    observations = np.empty((1, world.widths[0]), np.float32)
+    live = np.ones(1, np.bool_)
+    world.reset(np.zeros(1, np.intp), np.array([key], np.uint64), observations)
+    policy.reset(1)
+    yield world.states[0].copy()
+    while live[0]:
+        actions = world.actions(policy(observations), (1, world.widths[1]))
+        observations, _, terminated, truncated = world.step(actions, live, limit)
+        live = ~(terminated | truncated)
+        yield world.states[0].copy()
