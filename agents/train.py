@@ -15,10 +15,10 @@ from agents.learn import Learned, learn, make_batch
 from agents.policy import TrainedPolicy, save_policy
 from vr_envs.controllers.ladder import ladder
 from vr_envs.controllers.policy import Constant, Policy
-from vr_envs.envs.base import box
 from vr_envs.envs.registry import limit_of, spec_of, task_of
 from vr_envs.envs.scene import Scene, resolve
 from vr_envs.envs.task import Task
+from vr_envs.envs.world import box
 from vr_envs.evaluation.files import write_bytes
 from vr_envs.evaluation.report import Report, evaluate_ladder
 

@@ -6,9 +6,9 @@ import pytest
 from tests.toy import TASK
 from vr_envs.controllers.ladder import baseline_of, constant, ladder, laws_of, tuned_file, tuned_of
 from vr_envs.controllers.policy import Constant
-from vr_envs.envs.base import World
 from vr_envs.envs.registry import ids, limit_of, spec_of, task_of
 from vr_envs.envs.scene import resolve
+from vr_envs.envs.world import World
 
 
 @pytest.mark.parametrize(

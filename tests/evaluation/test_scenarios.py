@@ -3,8 +3,8 @@ import pytest
 from gymnasium.utils import seeding
 
 from tests.toy import TASK
-from vr_envs.envs.base import episode_key
 from vr_envs.envs.scene import resolve
+from vr_envs.envs.world import episode_key
 from vr_envs.evaluation.scenarios import at_level, scenario_keys, scenario_set
 
 

@@ -29,8 +29,8 @@ def run(arguments: argparse.Namespace) -> None:
 
 def overview() -> str:
     """One line per id."""
-    from vr_envs.envs.base import World
     from vr_envs.envs.registry import ids, limit_of, task_of
+    from vr_envs.envs.world import World
     from vr_envs.evaluation.table import markdown
 
     body = []

@@ -8,9 +8,9 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from vr_envs.controllers.policy import Policy
-from vr_envs.envs.base import World
 from vr_envs.envs.scene import Scene
 from vr_envs.envs.task import Task
+from vr_envs.envs.world import World
 from vr_envs.evaluation.scenarios import ScenarioSet
 
 

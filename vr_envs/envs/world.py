@@ -1,0 +1,113 @@
+"""The records of a task in a scene and the kernels that move them: what the scalar and the batched env share."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from gymnasium.spaces import Box
+
+from vr_envs.envs.rows import row_records, rows_of
+from vr_envs.envs.scene import resolve
+from vr_envs.envs.task import Channel, Task
+from vr_envs.models.record import dtype_of
+
+
+def box(channels: tuple[Channel, ...]) -> Box:
+    """The float32 Box of a list of channels."""
+    low, high = (np.array([getattr(c, side) for c in channels], np.float32) for side in ("low", "high"))
+    return Box(low, high, dtype=np.float32)
+
+
+def episode_key(generator: np.random.Generator) -> np.uint64:
+    """The 64-bit key from which an episode draws its start and all its disturbances."""
+    return generator.integers(np.iinfo(np.uint64).max, dtype=np.uint64, endpoint=True)
+
+
+class World:
+    """`n` records of one task in one scene, and the kernels that move them."""
+
+    def __init__(self, task: Task, scene: str | Mapping[str, Any] | None, n: int) -> None:
+        """`n` zeroed records of `task` in `scene`."""
+        self.task = task
+        self.scene = resolve(task, scene)
+        self.params, self.options = self.scene.records()
+        self.rows = rows_of(task)
+        self.states = np.zeros(n, dtype_of(task.state))
+        self.observation_space = box(task.observation_channels(self.scene))
+        self.action_space = box(task.action_channels(self.scene))
+        self.widths = (self.observation_space.shape[0], self.action_space.shape[0])
+
+    def actions(self, given: Any, shape: tuple[int, ...]) -> np.ndarray:
+        """A fresh float64 copy of the actions, (n, width)."""
+        try:
+            actions = np.array(given, dtype=np.float64, order="C")
+        except (TypeError, ValueError) as error:
+            raise ValueError(f"action {given!r} is not an array of numbers; give shape {shape}") from error
+        if actions.shape != shape:
+            raise ValueError(f"action has shape {actions.shape}; give {shape}, each entry in [-1, 1]")
+        return actions.reshape(len(self.states), self.widths[1])
+
+    def step(self, actions: np.ndarray, live: np.ndarray, limit: int) -> tuple[np.ndarray, ...]:
+        """Move the live rows; returns fresh (observations, rewards, terminated, truncated)."""
+        n = len(self.states)
+        obs = np.empty((n, self.widths[0]), np.float32)
+        rewards = np.zeros(n)
+        terminated, truncated = np.zeros(n, np.bool_), np.zeros(n, np.bool_)
+        acts, seen = row_records(actions), row_records(obs)
+        bad = self.rows.step(
+            self.states, acts, live, limit, seen, rewards, terminated, truncated, self.params, self.options
+        )
+        if bad >= 0:
+            raise ValueError(f"action of env {bad} is {actions[bad]}; every entry must be finite. Nothing was stepped")
+        return obs, rewards, terminated, truncated
+
+    def reset(self, rows: np.ndarray, keys: np.ndarray, obs: np.ndarray) -> None:
+        """Start the given rows afresh and write their observations."""
+        self.states[rows] = np.zeros((), self.states.dtype)
+        self.rows.reset(self.states, rows, keys, obs, self.params, self.options)
+
+    def load(self, states: Any, rows: np.ndarray) -> None:
+        """Overwrite the given rows with saved records, after checking them."""
+        given = np.atleast_1d(np.asarray(states))
+        if given.dtype != self.states.dtype:
+            raise ValueError(f"state has dtype {given.dtype}; give what get_state() returned for this task and scene")
+        if given.shape != (len(rows),):
+            raise ValueError(f"state has shape {given.shape}; give {len(rows)} records")
+        for name in given.dtype.names or ():
+            if given[name].dtype.kind == "f" and not np.isfinite(given[name]).all():
+                raise ValueError(f"state field {name!r} is not finite; give what get_state() returned")
+        self.states[rows] = given
+
+    def observe(self) -> np.ndarray:
+        """Fresh observations of all rows."""
+        obs = np.empty((len(self.states), self.widths[0]), np.float32)
+        self.rows.observe(self.states, obs, self.params, self.options)
+        return obs
+
+    def metrics(self, rows: np.ndarray) -> dict[str, np.ndarray]:
+        """Domain metrics of the given rows' episodes so far, one array per name."""
+        return dict(self.task.metrics(self.states[rows], self.scene))
+
+
+def scenario_keys(options: Mapping[str, Any] | None, n: int) -> np.ndarray | None:
+    """The episode keys that `options` ask for, checked, or None."""
+    scenario = (options or {}).get("scenario")
+    if scenario is None:
+        return None
+    keys = np.broadcast_to(np.asarray(scenario), (n,)) if np.ndim(scenario) == 0 else np.asarray(scenario)
+    if keys.shape != (n,) or keys.dtype.kind not in "iu" or (keys.dtype.kind == "i" and (keys < 0).any()):
+        raise ValueError(
+            f"options['scenario'] = {scenario!r}; give an integer in [0, 2^64), or one for each of {n} envs"
+        )
+    return keys.astype(np.uint64)
+
+
+def check_options(options: Mapping[str, Any] | None, allowed: tuple[str, ...]) -> None:
+    """Refuse unknown reset options, and two that contradict each other."""
+    for key in options or {}:
+        if key not in allowed:
+            raise ValueError(f"reset option {key!r} is unknown; allowed: {', '.join(allowed)}")
+    if options and options.get("scenario") is not None and options.get("state") is not None:
+        raise ValueError("reset options 'scenario' and 'state' exclude each other; give one")
