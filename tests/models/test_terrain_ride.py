@@ -92,7 +92,7 @@ def test_over_a_road_agrees_with_an_integrator_for_a_whole_episode(damping, spac
                 time,
                 *suspension(state, params),
                 settings.relative,
-                lambda s, k=k, left=left, rise=rise: left + rise * (place + s * settings.speed / spacing - k),
+                lambda s, gone=place - k, left=left, rise=rise: left + rise * (gone + s * settings.speed / spacing),
                 lambda s, rise=rise: rise * settings.speed / spacing,
             )
             place = stop

@@ -151,7 +151,71 @@ TASK = Task(
 
 
 class TerrainRideEnv(ScalarEnv):
-    """Ride."""
+    """Carry a mass over rough ground softly, within the travel of its spring, by setting damping and modulus.
+
+    ## Description
+    A mass rides on a spring and damper over a wheel that follows the terrain (the lecture on virtual environments,
+    after Vince 1995: a spring whose parameters can be changed while it runs). Softness and travel pull in opposite
+    directions: a hard damper passes the road's roughness on, a soft one lets the mass swing against its stops. The
+    default scene is a quarter of a car, 290 kg at 20 m/s on an ISO 8608 road of class C with bumps and dips, with
+    rubber stops at 80 mm of travel, an unknown payload, lagging actuators and 0.3 s of the road ahead in view. The
+    spring acts about its levelled equilibrium, so that a change of modulus does not lift the mass. Motion over a
+    control interval (0.01 s) is exact, contacts with the stops included.
+
+    ## Action Space
+    `Box(-1, 1, (2,), float32)`, logarithmic, 0 is the geometric mean of both ends:
+
+    | # | command | -1 | 1 |
+    |---|---|---|---|
+    | 0 | damping c/m between mass and wheel | 0.3 1/s | 10 1/s |
+    | 1 | modulus of the spring, as a fraction of 16812 N/m | 0.5 | 2 |
+
+    With `actuation = "active"`, `Box(-1, 1, (1,), float32)`: a force between mass and wheel, -1450 N (pulls the mass
+    down) to 1450 N, beside the spring at modulus 1 and a damping of 1 1/s.
+
+    ## Observation Space
+    `Box(float32)` of 17 numbers (16 with a force); numbers 0-4 and the road within [-5, 5], the actuators in [-1, 1].
+    Sensor errors are uniform with the standard deviation given.
+
+    | # | quantity | unit | 1 stands for | error |
+    |---|---|---|---|---|
+    | 0 | travel: height of the mass over the wheel, from levelled rest | m | 0.05 m | 0.5 mm |
+    | 1 | travel rate, mean over the last interval | m/s | 0.5 m/s | 0.02 m/s |
+    | 2 | vertical velocity of the mass | m/s | 0.5 m/s | 0.02 m/s |
+    | 3 | vertical acceleration of the mass, mean over the last interval | m/s^2 | 2 m/s^2 | 0.1 m/s^2 |
+    | 4 | the acceleration through the frequency weighting Wk of ISO 2631-1 | m/s^2 | 2 m/s^2 | none |
+    | 5, 6 | positions of the actuators, damping and modulus (5: of the force) | 1 | as the action | none |
+    | 7-16 | height of the road 0.03, 0.06 ... 0.3 s ahead over the road under the wheel | m | 0.05 m | none |
+
+    `vr_envs.envs.terrain_ride_observation.read` turns a batch back into SI units.
+
+    ## Rewards
+    1 / (1 + (a / 1 m/s^2)^2 + (u / 30 mm)^2) at the end of the interval, with the weighted acceleration a and the
+    travel u: 1 is perfect. 0 for an interval with a stop in contact.
+
+    ## Starting State
+    The mass at rest at the equilibrium that its payload gives, actuators at 0. Drawn for the episode: the payload,
+    which gives a constant acceleration of up to 1 m/s^2 either way; the road's density, 256e-6 m^3 times 2^U(-1, 1),
+    which spans the class; the road; one bump or dip of 30 to 80 mm in every 40 m.
+
+    ## Episode End
+    Terminated when a stop's rubber is compressed by more than 15 mm; never without a stop. Truncated after 1000
+    steps by the registered time limit.
+
+    At the end `info` holds `is_success` (no stop hit, rms acceleration below 1 m/s^2 and rms travel below 30 mm),
+    `score` (mean reward), `acceleration_rms` [m/s^2] (weighted), `travel_rms` and `travel_peak` [m] and `stop_hits`.
+
+    ## Arguments
+    - `scene`: "road" (default), "lecture" (the lecture's model and nothing else: three sines for terrain, damping of
+      the mass's own velocity as its factor k_d has it, no stop, payload, lag, preview or sensor error), or a dict of
+      overrides: the fields of `vr_envs.models.terrain_ride.Params` (`{"actuation": "active"}` for a force), and the
+      options `undulation` (sines), `road` (`iso_class` "A" to "H"), `bumps`, `stop`, `payload`, `lag`, `preview` and
+      `noise`, each null, true or a dict of its fields. A stop excludes sines, bumps need a road.
+    - `render_mode`: None, "rgb_array" or "human".
+
+    ## Version History
+    - v0: first version.
+    """
 
     task = TASK
 

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from typing import NamedTuple
+
+import numpy as np
 
 from vr_envs.envs.scene import Scene
 from vr_envs.envs.task import Channel
@@ -80,6 +83,33 @@ def observe(state, row, params, undulation, road, bumps, stop, payload, lag, pre
             if undulation is not None:
                 height += undulation_ahead(state, ahead * (i + 1), undulation)
             _put(row, first + i, height, TRAVEL)
+
+
+class Reading(NamedTuple):
+    """What an observation batch says, in SI units; one row per environment."""
+
+    travel: np.ndarray  # m, (n,)
+    travel_rate: np.ndarray  # m/s, (n,)
+    velocity: np.ndarray  # m/s, (n,)
+    acceleration: np.ndarray  # m/s^2, (n,)
+    weighted: np.ndarray  # m/s^2, (n,)
+    position: np.ndarray  # of the actuators, in [-1, 1], (n, action width)
+    ahead: np.ndarray  # m, road over the road under the wheel, (n, samples of the preview)
+
+
+def read(observations: np.ndarray, scene: Scene) -> Reading:
+    """The inverse of `observe` for a batch (n, width)."""
+    row = np.asarray(observations, np.float64)
+    first = 5 + len(action_channels(scene))
+    return Reading(
+        travel=row[:, 0] * TRAVEL,
+        travel_rate=row[:, 1] * RATE,
+        velocity=row[:, 2] * RATE,
+        acceleration=row[:, 3] * ACCELERATION,
+        weighted=row[:, 4] * ACCELERATION,
+        position=row[:, 5:first],
+        ahead=row[:, first:] * TRAVEL,
+    )
 
 
 def action_channels(scene: Scene) -> tuple[Channel, ...]:

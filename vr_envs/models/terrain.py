@@ -40,9 +40,7 @@ class Road:
     """A road of an ISO 8608 class; the density of an episode is drawn about the class mean."""
 
     iso_class: str = quantity("C", "", "ISO 8608 class", choices=tuple("ABCDEFGH"))
-    spread: float = quantity(
-        1.0, "octave", "the density is the class mean times 2^U(-spread, spread)", low=0.0, high=4.0
-    )
+    spread: float = quantity(1.0, "octave", "the density is its mean times 2^U(-spread, spread)", low=0.0, high=4.0)
     knot_spacing: float = quantity(0.2, "m", "distance between knots of the profile", low=0.01, high=10.0)
     cutoff: float = quantity(0.011, "cycle/m", "longest waves: the density is flat below", low=1e-4, high=0.1)
 

@@ -1,0 +1,231 @@
+import math
+
+import gymnasium as gym
+import numpy as np
+import pytest
+
+import vr_envs  # noqa: F401
+from vr_envs.envs.scene import resolve
+from vr_envs.envs.terrain_ride import TASK, TerrainRideBatchEnv, TerrainRideEnv
+from vr_envs.envs.terrain_ride_observation import LIMIT
+
+SOFT = np.array([-1.0, -1.0])
+
+
+def test_an_undisturbed_ride_is_perfect():
+    env = TerrainRideEnv(scene={"undulation": {"amplitude": 0.0}, "road": None, "bumps": None, "stop": None,
+                                "payload": None, "noise": None})  # fmt: skip
+    observation, _ = env.reset(seed=0)
+    for _ in range(20):
+        assert not observation.any()
+        observation, reward, *_ = env.step(np.zeros(2))
+        assert reward == 1.0
+
+
+def test_reward_is_the_documented_formula():
+    env = TerrainRideEnv(scene={"comfort": 0.7, "rattle": 0.02})
+    env.reset(seed=2)
+    for k in range(200):
+        reward = env.step(np.array([math.sin(k / 9), math.cos(k / 7)]))[1]
+        s = env.get_state()
+        touched = s["side"] != 0 or s["touches"] > 0
+        formula = 1 / (1 + (s["weighted"] / 0.7) ** 2 + (s["travel"] / 0.02) ** 2)
+        assert reward == pytest.approx(0.0 if touched else formula, rel=1e-14)
+
+
+def test_a_stop_in_contact_scores_nothing_and_a_crushed_one_ends():
+    env = TerrainRideEnv(scene={"road": {"iso_class": "E"}})
+    for seed in range(5):
+        env.reset(seed=seed)
+        terminated, touched = False, 0
+        while not terminated:
+            _, reward, terminated, _, info = env.step(SOFT)
+            state = env.get_state()
+            if state["side"] != 0.0:
+                touched += 1
+                assert reward == 0.0
+                assert abs(state["travel"]) >= 0.08
+            assert terminated == (abs(state["travel"]) > 0.08 + 0.015)
+        assert touched and info["stop_hits"] >= 1 and not info["is_success"]
+        assert info["travel_peak"] == abs(env.get_state()["travel"])
+
+
+def test_episodes_of_the_default_scene_end_both_ways():
+    batch = TerrainRideBatchEnv(64, max_episode_steps=1000)
+    batch.reset(seed=0)
+    rng = np.random.default_rng(0)
+    ends, cuts = 0, 0
+    for _ in range(1000):
+        _, _, terminated, truncated, _ = batch.step(rng.uniform(-1, 1, (64, 2)))
+        ends, cuts = ends + terminated.sum(), cuts + truncated.sum()
+    assert 2 <= ends <= 40 and cuts >= 30
+
+
+def test_metrics_are_those_of_the_path():
+    env = gym.make("vr_envs/TerrainRide-v0")
+    env.reset(seed=5)
+    weighted, travel, rewards, hits = [], [], [], 0
+    truncated = terminated = False
+    while not (terminated or truncated):
+        _, reward, terminated, truncated, info = env.step(np.array([0.6, 0.0]))
+        s = env.unwrapped.get_state()
+        weighted.append(s["weighted"])
+        travel.append(s["travel"])
+        rewards.append(reward)
+        hits += s["touches"]
+    assert truncated and len(rewards) == 1000
+    assert info["score"] == pytest.approx(np.mean(rewards), rel=1e-13)
+    assert info["acceleration_rms"] == pytest.approx(np.sqrt(np.mean(np.square(weighted))), rel=1e-13)
+    assert info["travel_rms"] == pytest.approx(np.sqrt(np.mean(np.square(travel))), rel=1e-13)
+    assert info["travel_peak"] == np.abs(travel).max()
+    assert info["stop_hits"] == hits
+    assert info["is_success"] == (hits == 0 and info["acceleration_rms"] < 1 and info["travel_rms"] < 0.03)
+
+
+@pytest.mark.parametrize("scene", [None, {"payload": None}, {"damping": "absolute"}])
+def test_changing_the_modulus_does_not_lift_the_mass(scene):
+    """About the levelled equilibrium and without payload; a payload sags by push / w2, however hard the spring."""
+    flat = {"road": {"iso_class": "A", "spread": 0.0, "cutoff": 1e-4}, "bumps": None, "lag": None}
+    env = TerrainRideEnv(scene={**flat, **(scene or {})})
+    env.reset(seed=3)
+    payload = float(env.get_state()["payload"])
+    for modulus in (-1.0, 1.0):
+        travel = []
+        for k in range(1500):
+            env.step(np.array([0.8, modulus]))
+            travel.append(env.get_state()["travel"])
+        sag = payload / (16812 / 290 * 2.0**modulus)
+        assert np.mean(travel[300:]) == pytest.approx(sag, abs=1.5e-3)
+
+
+def test_channels_describe_the_observation():
+    for scene in (None, "lecture", {"actuation": "active"}, {"preview": {"samples": 4}}):
+        env = TerrainRideEnv(scene=scene)
+        resolved = resolve(TASK, scene)
+        channels = TASK.observation_channels(resolved)
+        observation, _ = env.reset(seed=0)
+        assert observation.shape == (len(channels),)
+        assert len({c.name for c in channels}) == len(channels)
+        for _ in range(300):
+            observation, _, terminated, _, _ = env.step(env.action_space.sample())
+            assert env.observation_space.contains(observation)
+            if terminated:
+                env.reset()
+    assert [c.name for c in TASK.action_channels(resolve(TASK, {"actuation": "active"}))] == ["force"]
+    assert max(c.high for c in channels) == LIMIT
+
+
+def test_preview_is_the_road_met_later():
+    """Sample i of the preview is the rise of the road by the time of the i-th third knot."""
+    scene = {"noise": None, "payload": None}
+    env = TerrainRideEnv(scene=scene)
+    observation, _ = env.reset(seed=8)
+    names = [c.name for c in TASK.observation_channels(resolve(TASK, scene))]
+    ahead = observation[names.index("road 0.03 s ahead") :] * 0.05
+    state = env.get_state()
+    heights = state["knots"]
+    assert ahead == pytest.approx(heights[3:31:3] - heights[0], abs=1e-8)
+    for k in range(30):
+        env.step(np.zeros(2))
+        after = env.get_state()
+        assert after["knot"] == k + 1
+        if k % 3 == 2:
+            assert ahead[k // 3] == pytest.approx(after["knots"][(k + 1) % 64] - heights[0], abs=1e-8)
+
+
+def test_preview_over_sines():
+    scene = {"base": "lecture", "preview": True, "speed": 7.0}
+    env = TerrainRideEnv(scene=scene)
+    observation, _ = env.reset(seed=8)
+    early = observation[-10:] * 0.05
+    rises, amplitudes = [], 0.04 / ((1 + 5**0.5) / 2) ** np.arange(3)
+    for _ in range(30):
+        before = env.get_state()
+        env.step(np.zeros(2))
+        after = env.get_state()
+        rises.append(float((amplitudes * (after["wave_sin"] - before["wave_sin"])).sum()))
+        assert np.hypot(after["wave_sin"], after["wave_cos"]) == pytest.approx(1.0, rel=1e-14)
+    assert early == pytest.approx(np.cumsum(rises)[2::3], abs=1e-8)
+
+
+def test_sensor_errors_have_the_declared_deviation():
+    noisy, clean = (TerrainRideBatchEnv(500, scene={"noise": noise}) for noise in (True, None))
+    errors = []
+    for env in (noisy, clean):
+        env.reset(seed=0)
+    for _ in range(10):
+        a, b = (env.step(np.zeros((500, 2)))[0] for env in (noisy, clean))
+        errors.append(a - b)
+    errors = np.concatenate(errors)
+    scale = np.array([0.0005 / 0.05, 0.02 / 0.5, 0.02 / 0.5, 0.1 / 2.0])
+    assert errors[:, :4].std(axis=0) == pytest.approx(scale, rel=0.04)
+    assert np.abs(errors[:, :4]).max() < scale.max() * math.sqrt(3) * 1.001
+    assert not errors[:, 4:].any()
+    assert np.abs(np.corrcoef(errors[:, :4].T) - np.eye(4)).max() < 0.06
+
+
+@pytest.mark.parametrize(
+    ("scene", "said"),
+    [
+        ({"damping_low": 10.0}, "damping_low = 10"),
+        ({"modulus_high": 0.4}, "modulus_low = 0.5"),
+        ({"bumps": {"low": 0.09}}, "bumps.low = 0.09"),
+        ({"bumps": {"longest": 25.0}}, "2 bumps.longest = 50"),
+        ({"preview": {"horizon": 0.7}}, "speed \\* preview.horizon = 14"),
+        ({"road": None, "undulation": True, "stop": None}, "bumps"),
+        ({"undulation": True}, "stop"),
+        ({"road": None, "bumps": None}, "road = null"),
+        ({"mass": -1.0}, "mass = -1.0"),
+        ({"actuation": "magic"}, "semi_active, active"),
+        ({"road": {"iso_class": "Z"}}, "road.iso_class"),
+        ({"sped": 3.0}, "did you mean 'speed'"),
+    ],
+)
+def test_impossible_scenes_are_refused(scene, said):
+    with pytest.raises(ValueError, match=said):
+        TerrainRideEnv(scene=scene)
+
+
+@pytest.mark.parametrize("level", TASK.levels)
+def test_levels_are_scenes(level):
+    env = TerrainRideEnv(scene=TASK.levels[level])
+    env.reset(seed=0)
+    assert 0.0 <= env.step(np.zeros(2))[1] <= 1.0
+
+
+def test_harder_levels_are_harder():
+    scores = []
+    for level in ("light", "nominal", "severe"):
+        env = TerrainRideBatchEnv(100, scene=TASK.levels[level], autoreset_mode="SAME_STEP")
+        env.reset(seed=0)
+        scores.append(np.mean([env.step(np.tile([0.2, 0.0], (100, 1)))[1].mean() for _ in range(500)]))
+    assert scores[0] > scores[1] + 0.05 > scores[2] + 0.1
+
+
+def test_the_lecture_scene_is_the_lectures_model():
+    """v' = k_d v + a dt with absolute h (3.89, 3.90, reading A) converges to the exact ride, first order in dt."""
+    env = TerrainRideEnv(scene="lecture")
+    env.reset(seed=1)
+    start = env.get_state()
+    seconds, action = 2.0, np.array([0.4, 0.0])
+    for _ in range(int(seconds * 100)):
+        env.step(action)
+    end, p = env.get_state(), resolve(TASK, "lecture").params
+    golden = (1 + 5**0.5) / 2
+    gamma = math.exp(p.damping_centre + p.damping_half * 0.4)
+    phases = np.arctan2(start["wave_sin"], start["wave_cos"])
+
+    def terrain(t):
+        return sum(0.04 / golden**i * math.sin(2 * math.pi / 40 * golden**i * 20.0 * t + phases[i]) for i in range(3))
+
+    errors = []
+    for steps in (2000, 4000, 8000):
+        dt = seconds / steps
+        height, velocity = terrain(0.0), 0.0
+        for k in range(steps):
+            height += velocity * dt
+            velocity = math.exp(-gamma * dt) * velocity - p.w2 * (height - terrain((k + 1) * dt)) * dt
+        errors.append(height - terrain(seconds) - end["travel"])
+    assert errors[0] / errors[1] == pytest.approx(2.0, abs=0.1)
+    assert errors[1] / errors[2] == pytest.approx(2.0, abs=0.1)
+    assert abs(errors[2]) < 2e-4
