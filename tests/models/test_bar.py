@@ -47,7 +47,7 @@ def test_frame_is_the_motion_and_its_derivatives(piece):
 @pytest.mark.parametrize("ds", [1e-12, 1e-9, 1e-6, 1e-3, 1e-2])
 def test_increments_keep_their_digits_however_short(piece, ds):
     s = 0.0123
-    mine = increments(piece, s, ds)
+    mine = increments(piece, frame_at(piece, s), s, ds)
     end = mp.mpf(s) + mp.mpf(ds)
     for i in range(3):
         truth = exact(piece, end)[i] - exact(piece, mp.mpf(s))[i]

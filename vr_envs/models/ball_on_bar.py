@@ -129,7 +129,7 @@ def demanded(action, params):
 @kernel
 def _place_resting(state, frame, spin):
     """World position and velocity of a resting ball."""
-    bx, tilt, bz, cos, sin = frame
+    bx, tilt, bz, cos, sin, _, _ = frame
     turn = -tilt[1] * state.d
     state.x, state.z = bx[0] + state.d * cos, bz[0] - state.d * sin
     state.u = bx[1] + turn * sin + state.rate * cos

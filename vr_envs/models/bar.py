@@ -36,6 +36,8 @@ class Frame(NamedTuple):
     z: tuple[float, float, float, float]  # m, ...
     cos: float  # of the tilt
     sin: float
+    wave_cos: float  # of omega s
+    wave_sin: float
 
 
 class Bounds(NamedTuple):
@@ -46,6 +48,17 @@ class Bounds(NamedTuple):
     d2: float
     d3: float
     d4: float
+
+
+@kernel
+def cos_sin(angle):
+    """Cosine and sine of an angle; small ones, as in a chatter or of a tilt, by Taylor's series to rounding."""
+    if abs(angle) > 0.1:
+        return math.cos(angle), math.sin(angle)
+    q = angle * angle
+    cos = 1.0 + q * (-1 / 2 + q * (1 / 24 + q * (-1 / 720 + q * (1 / 40320 - q * (1 / 3628800)))))
+    sin = angle + angle * q * (-1 / 6 + q * (1 / 120 + q * (-1 / 5040 + q * (1 / 362880))))
+    return cos, sin
 
 
 @kernel
@@ -109,12 +122,13 @@ def frame_at(piece, s):
         x = _blended(x, _phasor(c[0], c[1], w, cos, sin), s0, s1, s2, s3)
         tilt = _blended(tilt, _phasor(c[2], c[3], w, cos, sin), s0, s1, s2, s3)
         z = _blended(z, _phasor(c[4], c[5], 2.0 * w, cos2, sin2), s0, s1, s2, s3)
-    return Frame(x, tilt, z, math.cos(tilt[0]), math.sin(tilt[0]))
+    tilt_cos, tilt_sin = cos_sin(tilt[0])
+    return Frame(x, tilt, z, tilt_cos, tilt_sin, cos, sin)
 
 
 @kernel
-def increments(piece, s, ds):
-    """Changes of (x, tilt, z) from s to s + ds, without cancellation as ds -> 0.
+def increments(piece, frame, s, ds):
+    """Changes of (x, tilt, z) from s, where the bar is at `frame`, to s + ds, without cancellation as ds -> 0.
 
     cos(b) - cos(a) = -2 sin((a+b)/2) sin((b-a)/2), so a flight of nanometres keeps its relative accuracy.
 
@@ -122,8 +136,8 @@ def increments(piece, s, ds):
         (x, tilt, z), each as (change, rate at s + ds, second derivative at s + ds).
     """
     w = piece.omega
-    mid, half = w * (s + 0.5 * ds), 0.5 * w * ds
-    cm, sm, ch, sh = math.cos(mid), math.sin(mid), math.cos(half), math.sin(half)
+    ch, sh = cos_sin(0.5 * w * ds)
+    cm, sm = frame.wave_cos * ch - frame.wave_sin * sh, frame.wave_sin * ch + frame.wave_cos * sh
     cos, sin = cm * ch - sm * sh, sm * ch + cm * sh
     cos2, sin2 = cos * cos - sin * sin, 2.0 * sin * cos
     d_cos, d_sin = -2.0 * sm * sh, 2.0 * cm * sh

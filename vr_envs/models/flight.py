@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from vr_envs.models.bar import increments
+from vr_envs.models.bar import cos_sin, increments
 from vr_envs.models.jit import kernel
 from vr_envs.models.rest import rolling_law, support
 from vr_envs.models.root import MAX_MARCH, TIME_RESOLUTION, certified_step
@@ -36,8 +36,8 @@ def _gap(piece, start, frame, ds, gap, rx, u, w, gravity):
 
     Everything is a difference from the start of the flight, so a gap of 1e-17 m keeps its digits.
     """
-    (dx, vx, ax), (dt, vt, at), (dz, vz, az) = increments(piece, start, ds)
-    sin_d, cos_d = math.sin(dt), math.cos(dt)
+    (dx, vx, ax), (dt, vt, at), (dz, vz, az) = increments(piece, frame, start, ds)
+    cos_d, sin_d = cos_sin(dt)
     cos = frame.cos * cos_d - frame.sin * sin_d
     tan = (frame.sin * cos_d + frame.cos * sin_d) / cos
     sec2 = 1.0 + tan * tan

@@ -5,8 +5,7 @@ Velocities are relative to the bar's material at the contact point, in the surfa
 
 from __future__ import annotations
 
-import math
-
+from vr_envs.models.bar import cos_sin
 from vr_envs.models.jit import kernel
 
 
@@ -39,7 +38,7 @@ def collide_rough(normal, tangent, surface_spin, restitution, loss, spin, deviat
     A grazing ball that the deviated surface would not stop, or would throw into the smooth one, meets the
     smooth surface instead: the ball always leaves.
     """
-    cos, sin = math.cos(deviation), math.sin(deviation)
+    cos, sin = cos_sin(deviation)
     n, t = normal * cos + tangent * sin, tangent * cos - normal * sin
     if n < 0.0:
         n, t, rolled = collide(n, t, surface_spin, restitution, loss, spin)

@@ -41,7 +41,7 @@ def support(frame, gravity, d, rate, pull):
 
     For a ball in flight that touches the bar they are minus the second and third derivative of the gap.
     """
-    x, tilt, z, cos, sin = frame
+    x, tilt, z, cos, sin, _, _ = frame
     normal_2, tangent_2 = x[2] * sin + z[2] * cos, x[2] * cos - z[2] * sin
     normal_3 = x[3] * sin + z[3] * cos
     force = normal_2 + gravity * cos - 2.0 * rate * tilt[1] - d * tilt[2]
@@ -81,7 +81,7 @@ def carry(piece, limits, s, end, gravity, d):
 @kernel
 def rolling_law(frame, gravity, inertia_ratio, radius):
     """d'' = forcing + stiffness d of a rolling ball (a frictionless one with inertia_ratio 0): the two numbers."""
-    x, tilt, z, cos, sin = frame
+    x, tilt, z, cos, sin, _, _ = frame
     forcing = gravity * sin - (x[2] * cos - z[2] * sin) - inertia_ratio * radius * tilt[2]
     return forcing / (1.0 + inertia_ratio), tilt[1] * tilt[1] / (1.0 + inertia_ratio)
 
