@@ -17,8 +17,21 @@ from vr_envs.render.canvas import Box, Point, View
 from vr_envs.render.chart import History, Strip, nice_step
 from vr_envs.render.painter import Painter
 from vr_envs.render.style import (
-    BLUE, GREY, INK, MARGIN, ORANGE, PALE_ORANGE, PANEL, PAPER, RED, RULE, SMALL, WIDTH, mix, signed,
-)  # fmt: skip
+    BLUE,
+    GREY,
+    INK,
+    MARGIN,
+    ORANGE,
+    PALE_ORANGE,
+    PANEL,
+    PAPER,
+    RED,
+    RULE,
+    SMALL,
+    WIDTH,
+    mix,
+    signed,
+)
 
 if TYPE_CHECKING:
     from vr_envs.envs.scene import Scene
@@ -50,7 +63,7 @@ class BallOnBarPainter(Painter):
         """See `Painter`."""
         super().__init__(scene, render_mode)
         p = scene.params
-        x_scale = 0.5 * (WIDTH - 3 * MARGIN) / p.half_length
+        x_scale = 0.5 * (WIDTH - 4 * MARGIN) / p.half_length
         bounce = p.gravity * p.period**2 / 32.0  # height of a flight of half a base cycle
         self.magnification = 1.0 / nice_step(2.0 * bounce * x_scale / HEADROOM)
         self.view = View((0.5 * WIDTH, BAR_LEVEL), x_scale, self.magnification * x_scale)
@@ -138,7 +151,7 @@ class BallOnBarPainter(Painter):
             x, _ = self._ruler_point(k * step, y)
             canvas.line([(x, y - 4.0), (x, y)], GREY)
             canvas.text(signed(f"{1e3 * k * step:g}"), (x, y + 9.0), GREY, SMALL, "centre")
-        canvas.text("mm", (WIDTH - MARGIN + 4.0, y + 9.0), GREY, SMALL, "right")
+        canvas.text("mm", (WIDTH - 5.0, y + 9.0), GREY, SMALL, "right")
         x, _ = self.view(0.0, 0.0)
         canvas.dashes([(x, 62.0), (x, y - 4.0)], RULE)
         size = nice_step(20.0 / self.view.y_scale)

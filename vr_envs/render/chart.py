@@ -19,17 +19,19 @@ class History:
         self.span = span
         self._rows: list[tuple[float, ...]] = []
 
-    def add(self, time: float, *values: float) -> bool:
-        """Append the values at `time` (s), in place of those at the same time; True if the history starts here."""
-        if self._rows and time < self._rows[-1][0]:
+    def add(self, time: float, *values: float) -> None:
+        """Append the values at `time` (s), in place of those at the same time."""
+        if self.starts_with(time):
             self._rows.clear()
-        fresh = not self._rows
-        if self._rows and time == self._rows[-1][0]:
+        elif time == self._rows[-1][0]:
             self._rows.pop()
         self._rows.append((time, *values))
         while len(self._rows) > 1 and self._rows[1][0] <= time - self.span:
             self._rows.pop(0)
-        return fresh
+
+    def starts_with(self, time: float) -> bool:
+        """Whether a row at `time` will be the first one."""
+        return not self._rows or time < self._rows[-1][0]
 
     def last(self) -> tuple[float, ...]:
         """The newest row: time and values."""
@@ -44,6 +46,15 @@ def nice_step(size: float) -> float:
     """The smallest of 1, 2, 5 times a power of ten that is at least `size` > 0."""
     power = 10.0 ** math.floor(math.log10(size))
     return next(k * power for k in (1.0, 2.0, 5.0, 10.0) if k * power >= size * (1.0 - 1e-9))
+
+
+def fitted(values: np.ndarray, least: float) -> tuple[float, float, float]:
+    """(low, high, step) of an axis that holds `values`, is at least `least` long and ends on whole steps."""
+    low, high = float(np.min(values)), float(np.max(values))
+    short = max(0.0, least - (high - low))
+    low, high = low - 0.5 * short, high + 0.5 * short
+    step = nice_step((high - low) / 3.0)
+    return step * math.floor(low / step), step * math.ceil(high / step), step
 
 
 class Strip:
@@ -80,3 +91,8 @@ class Strip:
         """A curve, cut at the frame."""
         with self.canvas.inside(self.frame):
             self.canvas.line(self.points(times, values), colour, width)
+
+    def dashes(self, times: Sequence[float] | np.ndarray, values: Sequence[float] | np.ndarray, colour: Colour) -> None:
+        """A dashed curve, cut at the frame."""
+        with self.canvas.inside(self.frame):
+            self.canvas.dashes(self.points(times, values), colour, 1.6)

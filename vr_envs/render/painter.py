@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from vr_envs.render.canvas import Canvas
-from vr_envs.render.style import GREY, HEIGHT, INK, MARGIN, SMALL, TITLE, WIDTH
+from vr_envs.render.style import GREY, INK, MARGIN, SMALL, TITLE, WIDTH
 from vr_envs.render.window import Window
 
 if TYPE_CHECKING:
