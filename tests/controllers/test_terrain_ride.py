@@ -92,7 +92,7 @@ def test_skyhook_beats_the_tuned_baseline():
 
 def test_reading_inverts_the_observation():
     env = TerrainRideBatchEnv(8, scene={"noise": None})
-    env.reset(seed=1)
+    observations, _ = env.reset(seed=1)
     for _ in range(50):
         observations, *_ = env.step(np.full((8, 2), 0.3))
     reading, states = read(observations, env.world.scene), env.get_state()

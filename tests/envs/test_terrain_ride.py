@@ -37,7 +37,7 @@ def test_a_stop_in_contact_scores_nothing_and_a_crushed_one_ends():
     env = TerrainRideEnv(scene={"road": {"iso_class": "E"}})
     for seed in range(5):
         env.reset(seed=seed)
-        terminated, touched = False, 0
+        terminated, touched, info = False, 0, {}
         while not terminated:
             _, reward, terminated, _, info = env.step(SOFT)
             state = env.get_state()
@@ -63,12 +63,15 @@ def test_episodes_of_the_default_scene_end_both_ways():
 
 def test_metrics_are_those_of_the_path():
     env = gym.make("vr_envs/TerrainRide-v0")
+    ride = env.unwrapped
+    assert isinstance(ride, TerrainRideEnv)
     env.reset(seed=5)
     weighted, travel, rewards, hits = [], [], [], 0
     truncated = terminated = False
+    info = {}
     while not (terminated or truncated):
         _, reward, terminated, truncated, info = env.step(np.array([0.6, 0.0]))
-        s = env.unwrapped.get_state()
+        s = ride.get_state()
         weighted.append(s["weighted"])
         travel.append(s["travel"])
         rewards.append(reward)
@@ -91,7 +94,7 @@ def test_changing_the_modulus_does_not_lift_the_mass(scene):
     payload = float(env.get_state()["payload"])
     for modulus in (-1.0, 1.0):
         travel = []
-        for k in range(1500):
+        for _ in range(1500):
             env.step(np.array([0.8, modulus]))
             travel.append(env.get_state()["travel"])
         sag = payload / (16812 / 290 * 2.0**modulus)

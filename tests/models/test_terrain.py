@@ -72,7 +72,7 @@ def test_starts_are_stationary():
 def test_density_follows_the_standard():
     """Averaged periodogram against Gd(n) = Gd(n0) (n/n0)^-2 between the cut-off and the knots' resolution."""
     road, n = Road(spread=0.0), 4096
-    power = 0.0
+    power = np.zeros(n // 2 + 1)
     for key in range(60):
         r = profile(key, road, n=n) * np.hanning(n) / math.sqrt(np.mean(np.hanning(n) ** 2))
         power = power + abs(np.fft.rfft(r)) ** 2 * 2 * road.knot_spacing / n / 60

@@ -25,8 +25,10 @@ def actions(seed=0, width=2):
     return np.sin(rng.uniform(1, 9, width) * t + rng.uniform(0, 6, width))
 
 
-def integrate(y, t, gamma, w2, push, relative, height, slope):
+def integrate(y, t, suspended, relative, height, slope):
     """zeta, zeta' after the time t by DOP853 at 1e-13; height(s) and slope(s) of the terrain in time."""
+
+    gamma, w2, push = suspended
 
     def equation(s, y):
         return y[1], push - gamma * (y[1] - relative * slope(s)) - w2 * (y[0] - height(s))
@@ -59,7 +61,7 @@ def test_over_sines_agrees_with_an_integrator_for_a_whole_episode(damping):
     for step, action in enumerate(actions()):
         now = step * CONTROL_INTERVAL
         advance(state, action, params, sines, None, None, None, None)
-        y = integrate(y, CONTROL_INTERVAL, *suspension(state, params), settings.relative, height, slope)
+        y = integrate(y, CONTROL_INTERVAL, suspension(state, params), settings.relative, height, slope)
         path.append((state["travel"] + height(CONTROL_INTERVAL), state["velocity"], *y))
     path = np.array(path)
     assert_close(path[:, :2], path[:, 2:], 1e-11)
@@ -90,7 +92,7 @@ def test_over_a_road_agrees_with_an_integrator_for_a_whole_episode(damping, spac
             y = integrate(
                 y,
                 time,
-                *suspension(state, params),
+                suspension(state, params),
                 settings.relative,
                 lambda s, gone=place - k, left=left, rise=rise: left + rise * (gone + s * settings.speed / spacing),
                 lambda s, rise=rise: rise * settings.speed / spacing,

@@ -22,7 +22,7 @@ def reference(u, rate, push, t, gamma=GAMMA):
             def event(_, y):
                 return sign * y[0] - TRAVEL
 
-            event.terminal, event.direction = True, 1.0 if side == 0 else -1.0
+            vars(event).update(terminal=True, direction=1.0 if side == 0 else -1.0)
             return event
 
         return equation, [boundary(s) for s in ((1.0, -1.0) if side == 0 else (side,))]

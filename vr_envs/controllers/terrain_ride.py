@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -17,8 +17,8 @@ FRAME = 1.0 / 60.0
 SLOW = 1e-3
 
 
-def _gains(law: Any, given: dict[str, float]) -> dict[str, float]:
-    return {name: given.get(name, default) for name, (_, _, default) in law.TUNABLE.items()}
+def _gains(tunable: dict[str, tuple[float, float, float]], given: dict[str, float]) -> dict[str, float]:
+    return {name: given.get(name, limits[2]) for name, limits in tunable.items()}
 
 
 def damping_actions(damping: np.ndarray, scene: Scene) -> np.ndarray:
@@ -46,7 +46,7 @@ class LecturePassive:
     def __init__(self, scene: Scene, **gains: float) -> None:
         """`restitution`: k_d at 60 Hz, in (0, 1)."""
         self.scene = scene
-        self.damping = damping_of_restitution(_gains(self, gains)["restitution"], FRAME)
+        self.damping = damping_of_restitution(_gains(self.TUNABLE, gains)["restitution"], FRAME)
 
     def reset(self, n: int) -> None:
         """Nothing to forget."""
@@ -73,7 +73,7 @@ class Skyhook:
     def __init__(self, scene: Scene, **gains: float) -> None:
         """`sky`: damping to the sky [1/s]; `least`: least damping that is asked of the damper [1/s]."""
         self.scene = scene
-        self.gains = _gains(self, gains)
+        self.gains = _gains(self.TUNABLE, gains)
 
     def reset(self, n: int) -> None:
         """Nothing to forget."""
