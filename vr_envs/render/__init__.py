@@ -9,7 +9,7 @@ from vr_envs.render.animation import write_animation
 
 if TYPE_CHECKING:
     from vr_envs.envs.scene import Scene
-    from vr_envs.render.painter import Painter
+    from vr_envs.render.base import Painter
 
 __all__ = ["TASKS", "painter", "write_animation"]
 

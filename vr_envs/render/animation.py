@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import tempfile
 from collections.abc import Iterable, Iterator
+from contextlib import closing
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -63,7 +64,8 @@ def _write_gif(image: Any, path: str, frames: Iterator[np.ndarray], fps: float) 
 
 
 def _write_mp4(imageio: Any, path: str, frames: Iterator[np.ndarray], fps: float) -> None:
-    with imageio.get_writer(path, fps=fps, macro_block_size=2) as film:
+    # the writer's own context does not wait for ffmpeg after a failure, which then writes to a file that is gone
+    with closing(imageio.get_writer(path, fps=fps, macro_block_size=2)) as film:
         for frame in frames:
             film.append_data(frame)
 

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vr_envs.models.autopilot import G, wrap
+from vr_envs.render.base import Painter
 from vr_envs.render.canvas import Box, Point
 from vr_envs.render.chart import History, Strip, fitted
-from vr_envs.render.painter import Painter
 from vr_envs.render.style import (
     BLUE,
     GREY,

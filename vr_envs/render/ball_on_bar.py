@@ -13,9 +13,9 @@ import numpy as np
 
 from vr_envs.models.ball_on_bar import cycle, piece_at
 from vr_envs.models.bar import Frame, frame_at
+from vr_envs.render.base import Painter
 from vr_envs.render.canvas import Box, Point, View
 from vr_envs.render.chart import History, Strip, nice_step
-from vr_envs.render.painter import Painter
 from vr_envs.render.style import (
     BLUE,
     GREY,
@@ -67,14 +67,13 @@ class BallOnBarPainter(Painter):
         bounce = p.gravity * p.period**2 / 32.0  # height of a flight of half a base cycle
         self.magnification = 1.0 / nice_step(2.0 * bounce * x_scale / HEADROOM)
         self.view = View((0.5 * WIDTH, BAR_LEVEL), x_scale, self.magnification * x_scale)
-        self._trail, self._places = History(TRAIL_CYCLES * p.period), History(CHART_SPAN)
-        self._before: np.void | None = None
+        self._forget()
 
     def paint(self, state: np.void) -> None:
         """Draw a state; the trail since the state drawn before, if that is one cycle back, is the ball's exact path."""
+        self._begin(state)
         before = self._before
-        follows = before is not None and before["key"] == state["key"] and before["steps"] + 1 == state["steps"]
-        if before is not None and follows:
+        if before is not None and before["steps"] + 1 == state["steps"]:
             for moment in self._between(before, state, TRAIL_PARTS):
                 self._remember(moment)
         self._finish(state)
@@ -84,6 +83,7 @@ class BallOnBarPainter(Painter):
 
         Both are states of one episode, one cycle apart. Each picture is what `draw` gives.
         """
+        self._begin(before)
         parts = n * math.ceil(TRAIL_PARTS / n)
         for k, moment in enumerate(self._between(before, after, parts), 1):
             self._remember(moment)
@@ -98,21 +98,30 @@ class BallOnBarPainter(Painter):
     def _between(self, before: np.void, after: np.void, parts: int) -> Iterator[Moment]:
         """The `parts` equally spaced instants after `before` up to `after`."""
         old, new = tuple(before["motion"].tolist()), tuple(after["motion"].tolist())
-        start = int(before["steps"]) * self.params["period"]
         for k in range(1, parts + 1):
             s = self.params["period"] * k / parts
             ball = before.copy()
             cycle(ball, new, self.params, self.options["scatter"], self.options["spin"], None, s)
             bar = frame_at(piece_at(old, new, s, self.params), s)
-            yield Moment(start + s, s, ball, bar)
+            # the last time is exactly that of `after`
+            yield Moment((int(before["steps"]) + k / parts) * self.params["period"], s, ball, bar)
+
+    def _begin(self, state: np.void) -> None:
+        """Forget what was drawn if `state` is of another episode, or earlier in the same one."""
+        last = self._before
+        if last is not None and (last["key"] != state["key"] or last["steps"] > state["steps"]):
+            self._forget()
+
+    def _forget(self) -> None:
+        self._trail = History(TRAIL_CYCLES * self.scene.params.period)
+        self._places = History(CHART_SPAN)
+        self._before: np.void | None = None
 
     def _remember(self, moment: Moment) -> None:
         self._trail.add(moment.time, float(moment.ball["x"]), float(moment.ball["z"]))
 
     def _finish(self, state: np.void) -> None:
         """Draw the state itself and remember it."""
-        if self._before is not None and (self._before["key"] != state["key"] or self._before["steps"] > state["steps"]):
-            self._trail, self._places = History(self._trail.span), History(self._places.span)
         motion = tuple(state["motion"].tolist())
         time = int(state["steps"]) * self.params["period"]
         self._before = state.copy()

@@ -9,9 +9,9 @@ import numpy as np
 
 from vr_envs.models.terrain import RING, WAVES, place_on_road, road_height, undulation_ahead, wave
 from vr_envs.models.terrain_ride import CONTROL_INTERVAL, suspension
+from vr_envs.render.base import Painter
 from vr_envs.render.canvas import Box, Point, View
 from vr_envs.render.chart import History, Strip, fitted, nice_step
-from vr_envs.render.painter import Painter
 from vr_envs.render.style import (
     BLUE,
     GREY,
@@ -42,7 +42,7 @@ REST_LENGTH = 64.0  # points between carrier and mass at zero travel
 MASS_HEIGHT = 34.0
 SHORTEST = 16.0
 SKY_LEVEL = 132.0  # point of the ceiling on which a damper of the mass's own velocity hangs
-RISE = 60.0  # points for the highest ground to be expected
+RISE = 70.0  # points for the highest ground and an ordinary travel
 AHEAD_ON_WAVES = 30.0  # m of ground in view
 AHEAD_ON_ROAD = min(50, RING - 4)  # knots of it
 
@@ -87,10 +87,10 @@ class TerrainRidePainter(Painter):
     def _magnification(self, state: np.void) -> float:
         """How many times larger heights are drawn than lengths: 1, 2, 5 times a power of ten."""
         bumps, waves = self.scene.options["bumps"], self.options["undulation"]
-        highest = 2.0 * float(state["roughness_sd"]) + (0.0 if bumps is None else bumps.high)
+        highest = self.scene.params.rattle + 2.0 * float(state["roughness_sd"]) + (0.0 if bumps is None else bumps.high)
         if waves is not None:
             highest += sum(wave(i, waves)[0] for i in range(WAVES))
-        return 1.0 / nice_step(max(highest, 1e-3) * self.x_scale / RISE)
+        return 1.0 / nice_step(highest * self.x_scale / RISE)
 
     def _profile(self, state: np.void) -> tuple[np.ndarray, np.ndarray]:
         """Distances ahead of the wheel (m), from left to right, and the heights of the ground there (m)."""
@@ -171,7 +171,8 @@ class TerrainRidePainter(Painter):
         if p.actuation == "active":
             push = float(state["position"][0])
             ends = [(x, top - 4.0), (x, top - 4.0 - 34.0 * abs(push))]
-            canvas.arrow(*(ends if push > 0.0 else ends[::-1]), ORANGE, 4.0, 9.0)
+            tail, tip = ends if push > 0.0 else ends[::-1]
+            canvas.arrow(tail, tip, ORANGE, 4.0, 9.0)
 
     def _spring(self, foot: Point, top: float, share: float) -> None:
         """A zigzag from `foot` up to `top`, thicker the stiffer: `share` in [0, 1]."""
