@@ -177,6 +177,7 @@ def test_sensor_errors_have_the_declared_deviation():
         ({"preview": {"horizon": 0.7}}, "speed \\* preview.horizon = 14"),
         ({"road": None, "undulation": True, "stop": None}, "bumps"),
         ({"undulation": True}, "stop"),
+        ({"payload": {"size": 5.0}}, "payload.size over the spring = 0.086"),
         ({"road": None, "bumps": None}, "road = null"),
         ({"mass": -1.0}, "mass = -1.0"),
         ({"actuation": "magic"}, "semi_active, active"),

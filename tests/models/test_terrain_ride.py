@@ -133,6 +133,17 @@ def test_half_steps_give_the_same_state(scene):
     assert (whole["touches"] > 10) == (scene == "stop")
 
 
+def test_a_stop_out_of_reach_changes_no_bit():
+    params, road = pack(Params()), pack(Road())
+    without, with_stop = fresh(), fresh()
+    for state in (without, with_stop):
+        start_road(state, road, None)
+    for action in actions():
+        advance(without, action, params, None, road, None, None, None)
+        advance(with_stop, action, params, None, road, None, pack(TravelStop(travel=10.0)), None)
+        assert without.tobytes() == with_stop.tobytes()
+
+
 def test_steady_ride_over_a_sine_has_the_textbook_gain():
     """Long after the start the amplitude is |w2 + i gamma W| / |w2 - W^2 + i gamma W|."""
     params, sines = pack(Params(speed=10.0)), pack(Undulation(wavelength=9.0))

@@ -85,6 +85,26 @@ def test_grazing_contacts_are_found():
         assert got[2] == 0.0
 
 
+def test_no_contact_is_missed():
+    """Until the time returned, fine sampling sees the mass on one side of the boundary, whatever the regime."""
+    rng = np.random.default_rng(4)
+    early = 0
+    for _ in range(600):
+        gamma, w2, push, rate = rng.uniform((0, 10, -20, -4), (40, 900, 20, 4))
+        side = rng.choice([-1.0, 0.0, 1.0])
+        u = rng.uniform(-TRAVEL, TRAVEL) if side == 0.0 else side * (TRAVEL + rng.exponential(0.01))
+        t = time_to_contact(u, rate, side, gamma, w2, push, W2_STOP, TRAVEL, 0.3)
+        early += t < 0.3
+        stiff = w2 + W2_STOP * abs(side)
+        centre = (push + side * W2_STOP * TRAVEL) / stiff
+        path = np.array([free_motion(u - centre, rate, gamma, stiff, s)[0] for s in np.linspace(0, t, 200)]) + centre
+        gap = TRAVEL - abs(path) if side == 0.0 else side * path - TRAVEL
+        assert gap.min() > -1e-15
+        if t < 0.3:
+            assert abs(gap[-1]) < 1e-15
+    assert 100 < early < 600
+
+
 def time_to_peak(u, rate):
     low, high = 0.0, 0.4
     for _ in range(100):

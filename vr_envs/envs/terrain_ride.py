@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
+import math
+
 import numpy as np
 
 from vr_envs.envs.base import BatchEnv, ScalarEnv
@@ -11,16 +14,30 @@ from vr_envs.envs.terrain_ride_observation import Preview, SensorNoise, action_c
 from vr_envs.models import terrain_ride as model
 from vr_envs.models.jit import kernel
 from vr_envs.models.noise import uniform
+from vr_envs.models.record import quantity
 from vr_envs.models.terrain import RING, Bumps, Road, Undulation, start_road, start_undulation
 from vr_envs.models.travel_stop import TravelStop
-from vr_envs.models.weighting import weight
+from vr_envs.models.weighting import MEMORY, weight
 
 _PAYLOAD_DRAW = 1 << 49
 
 
+@dataclasses.dataclass(frozen=True)
+class State(model.State):
+    """The whole episode: the ride, the weighted acceleration, and the sums from which metrics follow."""
+
+    weighting: float = quantity(0.0, "", "memory of the weighting filter", shape=(MEMORY,))
+    weighted: float = quantity(0.0, "m/s^2", "weighted acceleration")
+    weighted_squares: float = quantity(0.0, "m^2/s^4", "its squares, summed over the steps")
+    travel_squares: float = quantity(0.0, "m^2", "squares of the travel, summed over the steps")
+    travel_peak: float = quantity(0.0, "m", "largest |u| at a control instant")
+    hits: int = quantity(0, "", "touches of a stop so far")
+    score: float = quantity(0.0, "", "sum of the rewards")
+
+
 @kernel
 def start(state, params, undulation, road, bumps, stop, payload, lag, preview, noise):  # type: ignore[no-untyped-def]
-    """At rest relative to the ground under the wheel, the payload in balance, actuators at mid-range."""
+    """The mass at rest where the spring balances the payload, actuators at mid-range."""
     if undulation is not None:
         start_undulation(state)
     if road is not None:
@@ -78,9 +95,12 @@ def metrics(states: np.ndarray, scene: Scene) -> dict[str, np.ndarray]:
 
 
 def validate(scene: Scene) -> None:
-    """Ranges in order; a stop and bumps need a road of straight pieces; the preview within the knots that are kept."""
+    """Ranges in order; the payload within the stops; the preview within the knots that are kept.
+
+    A stop and bumps need a road of straight pieces.
+    """
     p, options = scene.params, scene.options
-    road, bumps, preview = options["road"], options["bumps"], options["preview"]
+    road, bumps, preview, payload, stop = (options[k] for k in ("road", "bumps", "preview", "payload", "stop"))
     orders = [
         ("damping_low", p.damping_low, "damping_high", p.damping_high, True),
         ("modulus_low", p.modulus_low, "modulus_high", p.modulus_high, True),
@@ -94,13 +114,16 @@ def validate(scene: Scene) -> None:
     if preview is not None and road is not None:
         reach = (RING - 4) * road.knot_spacing
         orders.append(("speed * preview.horizon", p.speed * preview.horizon, "60 road.knot_spacing", reach, False))
+    if payload is not None and stop is not None:
+        sag = payload.size / p.w2 * (1.0 if p.active else math.exp(-p.modulus_centre))
+        orders.append(("payload.size over the spring", sag, "stop.travel", stop.travel, True))
     for low_name, low, high_name, high, strict in orders:
         if low > high or (strict and low == high):
             rule = "be below" if strict else "not exceed"
             raise ValueError(f"{low_name} = {low:g} is not allowed; it must {rule} {high_name} = {high:g}")
     if bumps is not None and road is None:
         raise ValueError("bumps = {...} is not allowed without a road; give road = true, or bumps = null")
-    if options["stop"] is not None and options["undulation"] is not None:
+    if stop is not None and options["undulation"] is not None:
         raise ValueError("stop = {...} is not allowed over an undulation; give undulation = null and road = true")
     if options["undulation"] is None and road is None:
         raise ValueError("road = null is not allowed without an undulation; give one of the two")
@@ -119,7 +142,7 @@ TASK = Task(
         "preview": Preview,
         "noise": SensorNoise,
     },
-    state=model.State,
+    state=State,
     scenes={
         "road": {
             "road": True,

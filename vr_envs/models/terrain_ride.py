@@ -25,7 +25,6 @@ from vr_envs.models.record import quantity
 from vr_envs.models.spring import free_motion
 from vr_envs.models.terrain import RING, WAVES, pass_knot, roll_undulation, slope_of_road, wave
 from vr_envs.models.travel_stop import move_with_stop
-from vr_envs.models.weighting import MEMORY
 
 CONTROL_INTERVAL = 0.01  # s
 
@@ -118,7 +117,7 @@ class Payload:
 
 @dataclasses.dataclass(frozen=True)
 class State:
-    """Everything that an episode needs."""
+    """The ride and the terrain that it has drawn."""
 
     key: int = quantity(0, "", "episode key", kind="key")
     steps: int = quantity(0, "", "control intervals done")
@@ -136,13 +135,6 @@ class State:
     roughness_sd: float = quantity(0.0, "m", "its standard deviation in this episode")
     wave_cos: float = quantity(0.0, "", "cosines of the undulation's phases", shape=(WAVES,))
     wave_sin: float = quantity(0.0, "", "sines of the undulation's phases", shape=(WAVES,))
-    weighting: float = quantity(0.0, "", "memory of the weighting filter", shape=(MEMORY,))
-    weighted: float = quantity(0.0, "m/s^2", "weighted acceleration")
-    weighted_squares: float = quantity(0.0, "m^2/s^4", "its squares, summed over the steps")
-    travel_squares: float = quantity(0.0, "m^2", "squares of the travel, summed over the steps")
-    travel_peak: float = quantity(0.0, "m", "largest |u| at a control instant")
-    hits: int = quantity(0, "", "touches of a stop so far")
-    score: float = quantity(0.0, "", "sum of the rewards")
     knots: float = quantity(0.0, "m", "ring of road knots", shape=(RING,))
 
 
