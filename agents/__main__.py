@@ -61,7 +61,7 @@ def _overrides(arguments: argparse.Namespace) -> dict[str, Any]:
 
 def _train(config: Config, arguments: argparse.Namespace) -> int:
     from agents.episode import film
-    from agents.train import RESULTS, TABLE, draw_curve, evaluate, load_run, train
+    from agents.train import PICTURE, RESULTS, TABLE, draw_curve, evaluate, load_run, train
     from vr_envs.evaluation.files import write_bytes
 
     show = not arguments.quiet
@@ -77,7 +77,7 @@ def _train(config: Config, arguments: argparse.Namespace) -> int:
         print(f"\n{report.table()}\n", flush=True)
         baseline = next((r.policy, r.score.value) for r in report.rows if r.policy == report.baseline)
         run_config, policy = load_run(folder)
-        film(run_config, policy, folder)
+        film(run_config, policy, folder / PICTURE, show)
     draw_curve(folder, config, baseline)
     print(f"Written to {folder}/:")
     for path in sorted(folder.iterdir()):

@@ -2,44 +2,40 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator
 from pathlib import Path
 
-import gymnasium as gym
-import numpy as np
+from tqdm import tqdm
 
 from agents.config import Config
+from vr_envs.cli.render import pace, pictures
 from vr_envs.controllers.policy import Policy
-from vr_envs.envs.registry import limit_of, spec_of
+from vr_envs.envs.registry import limit_of, task_of
+from vr_envs.envs.scene import resolve
+from vr_envs.evaluation.rollout import episode
 from vr_envs.evaluation.scenarios import scenario_keys
+from vr_envs.render import painter, write_animation
 
-FRAMES = 150
-FPS = 15
-
-
-def frames(config: Config, policy: Policy, stride: int) -> Iterator[np.ndarray]:
-    """Pictures (height, width, 3) uint8 of the first held-out scenario, one every `stride` control intervals."""
-    env = gym.make(spec_of(config.env), scene=config.scene, render_mode="rgb_array")
-    try:
-        obs, _ = env.reset(options={"scenario": int(scenario_keys(1)[0])})
-        policy.reset(1)
-        ended, step = False, 0
-        while not ended:
-            if step % stride == 0:
-                yield np.asarray(env.render())
-            obs, _, terminated, truncated, _ = env.step(policy(obs[None])[0])
-            ended, step = terminated or truncated, step + 1
-        yield np.asarray(env.render())
-    finally:
-        env.close()
+SLOW_MOTION = 4  # pictures per control interval, where a system has pictures in between
 
 
-def film(config: Config, policy: Policy, folder: Path) -> Path:
-    """Write `episode.gif` to the run's folder: about ten seconds, however long the episode."""
-    from vr_envs.render import write_animation
+def film(config: Config, policy: Policy, path: Path, show: bool = True) -> None:
+    """Write the first held-out episode, as an animation in the format that the path's suffix names.
 
-    path = folder / "episode.gif"
-    stride = math.ceil(limit_of(config.env) / FRAMES)
-    write_animation(path, frames(config, policy, stride), FPS)
-    return path
+    Args:
+        config: of the run.
+        policy: acts.
+        path: ends in .gif, .mp4 or .png (the last picture).
+        show: whether to show a progress bar.
+
+    Raises:
+        ImportError: a library of the extra `render` is missing.
+    """
+    task, limit = task_of(config.env), limit_of(config.env)
+    scene = resolve(task, config.scene)
+    artist = painter(task.name, scene, "rgb_array")
+    between = SLOW_MOTION if hasattr(artist, "frames") else 1
+    stride, fps = pace(task.dt(scene), between)
+    states = episode(policy, task, scene, int(scenario_keys(1)[0]), limit)
+    shown = tqdm(states, desc=path.name, total=limit + 1, unit="step", disable=None if show else True)
+    write_animation(path, pictures(artist, shown, stride, between), fps)
+    artist.close()

@@ -22,7 +22,8 @@ from vr_envs.envs.world import box
 from vr_envs.evaluation.files import write_bytes
 from vr_envs.evaluation.report import Report, evaluate_ladder
 
-CONFIG, POLICY, RESULTS, TABLE = "config.yaml", "policy.safetensors", "results.json", "results.md"
+CONFIG, POLICY = "config.yaml", "policy.safetensors"
+RESULTS, TABLE, PICTURE = "results.json", "results.md", "episode.mp4"
 
 
 def resolved(config: Config) -> tuple[Config, Task, Scene]:
