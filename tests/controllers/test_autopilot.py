@@ -8,8 +8,8 @@ import pytest
 from vr_envs.controllers.autopilot import BASELINE, LAWS, TURN_TIME, LectureLaw
 from vr_envs.envs.autopilot import TASK
 from vr_envs.envs.autopilot_observation import BAND
-from vr_envs.envs.base import World
 from vr_envs.envs.scene import resolve
+from vr_envs.envs.world import World
 
 
 def world_at(errors, scene="lecture"):  # type: ignore[no-untyped-def]

@@ -9,8 +9,8 @@ import pytest
 import vr_envs  # noqa: F401 (registers the ids)
 from vr_envs.envs.autopilot import TASK, AutopilotBatchEnv, AutopilotEnv
 from vr_envs.envs.autopilot_observation import BAND, SPAN, actions_for, limits, read
-from vr_envs.envs.base import World
 from vr_envs.envs.scene import resolve
+from vr_envs.envs.world import World
 from vr_envs.models.autopilot import wrap
 
 LEVEL = np.zeros(3)

@@ -23,7 +23,7 @@ def add(commands: Any) -> None:
     parser.add_argument(
         "--evaluations", type=whole(30), default=300, metavar="N", help="rollouts per policy; default 300"
     )
-    parser.add_argument("--scenarios", type=whole(2), default=64, metavar="N", help="per rollout; default 64")
+    parser.add_argument("--scenarios", type=whole(2), default=128, metavar="N", help="per rollout; default 128")
     parser.add_argument("--seed", type=whole(0), default=0, help="of the search and its scenarios; default 0")
     parser.set_defaults(run=run)
 

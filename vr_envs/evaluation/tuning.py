@@ -164,7 +164,7 @@ def tune(
     scene: str | None = None,
     policies: list[str] | None = None,
     evaluations: int = 300,
-    scenarios: int = 64,
+    scenarios: int = 128,
     seed: int = 0,
     progress: bool = False,
 ) -> dict[str, dict[str, Any]]:
