@@ -1,9 +1,9 @@
 """Tune the gains of a law, or the best constant action: CMA-ES on training-side scenarios.
 
 CMA-ES: Hansen and Ostermeier (2001), package `cma`. The search runs in coordinates scaled to [0, 1], a gain whose
-positive range spans a decade or more logarithmically. It starts once from the defaults and once from the best of a
-few random points; the defaults and the best and the mean point of each run then meet on fresh training-side
-scenarios, and the winner there is taken. Held-out scenarios are never seen.
+positive range spans a decade or more logarithmically. The first run starts from the defaults, the next ones from the
+best of some random points, until the budget is used. The defaults and the best and the mean point of each run then
+meet on fresh training-side scenarios, and the winner there is taken. Held-out scenarios are never seen.
 """
 
 from __future__ import annotations
@@ -26,6 +26,9 @@ from vr_envs.evaluation.scenarios import ScenarioSet, scenario_set
 
 Gains = dict[str, float]
 DECADE = 10.0
+# a CMA-ES run gets at most this part of the budget; one that converges early leaves more to the next
+RUNS = 3
+SHORTEST = 12
 
 
 @dataclasses.dataclass(frozen=True)
@@ -79,8 +82,10 @@ def _constant_laws(task: Task, scene: Scene) -> list[np.ndarray]:
 
 def _search(
     score: Callable[[np.ndarray], float], origin: np.ndarray, budget: int, seed: int, width: float
-) -> list[np.ndarray]:
-    """One CMA-ES run of about `budget` evaluations that maximises `score`; its best point and its last mean.
+) -> tuple[list[np.ndarray], int]:
+    """One CMA-ES run of about `budget` evaluations that maximises `score`.
+
+    Returns its best point and its last mean, and how many evaluations it took.
 
     CMA-ES needs two dimensions: a single gain gets an idle companion.
     """
@@ -94,7 +99,8 @@ def _search(
     while not run.stop():
         points = run.ask()
         run.tell(points, [-score(point[:k]) for point in points])
-    return [np.asarray(run.result.xbest)[:k], np.asarray(run.result.xfavorite)[:k]]
+    result = run.result
+    return [np.asarray(result.xbest)[:k], np.asarray(result.xfavorite)[:k]], int(result.evaluations)
 
 
 def tune_policy(
@@ -127,15 +133,17 @@ def tune_policy(
         return score_on(train, unit)
 
     origin = candidate.default()
-    points = [*known, *np.random.default_rng(seed).uniform(size=(max(2, evaluations // 10), len(origin)))]
-    best = points[int(np.argmax([score(point) for point in points]))]
-    budget = (evaluations - len(points)) // 2
-    finalists = [
-        origin,
-        *known,
-        *_search(score, origin, budget, seed + 1, 0.2),
-        *_search(score, best, budget, seed + 2, 0.3),
-    ]
+    points = [*known, *np.random.default_rng(seed).uniform(size=(max(2, evaluations // 6), len(origin)))]
+    ranked = [points[k] for k in np.argsort([-score(point) for point in points], kind="stable")]
+    finalists = [origin, *known]
+    left = evaluations - len(points)
+    share = left // RUNS
+    for start, width in [(origin, 0.2), *((point, 0.3) for point in ranked)]:
+        if left < SHORTEST:
+            break
+        found, used = _search(score, start, min(share, left), seed + len(finalists), width)
+        finalists += found
+        left -= used
     checked = [score_on(check, point) for point in finalists]
     winner = int(np.argmax(checked))
     return {
