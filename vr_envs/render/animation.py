@@ -13,8 +13,10 @@ from typing import Any
 import numpy as np
 
 from vr_envs.render.extras import extra
+from vr_envs.render.style import INKS, PAPER, mix
 
 SUFFIXES = (".gif", ".mp4", ".png")
+THINNED = 8  # shades of an ink in a film's palette
 
 
 def write_animation(path: str | os.PathLike[str], frames: Iterable[np.ndarray], fps: float) -> None:
@@ -56,9 +58,25 @@ def write_animation(path: str | os.PathLike[str], frames: Iterable[np.ndarray], 
         raise
 
 
+def _palette(image: Any, first: np.ndarray) -> Any:
+    """256 colours for a whole film: the first picture's own, then every ink of these pictures thinned on paper.
+
+    One palette for all keeps what does not move the same from picture to picture, which halves the file.
+    """
+    inks = [c for ink in INKS for k in range(1, THINNED + 1) for c in mix(PAPER, ink, k / THINNED)]
+    own = image.fromarray(first).quantize(256 - len(inks) // 3).getpalette()
+    palette = image.new("P", (1, 1))
+    palette.putpalette(own + inks)
+    return palette
+
+
 def _write_gif(image: Any, path: str, frames: Iterator[np.ndarray], fps: float) -> None:
-    """Each picture is reduced to its own 256 colours as it comes, so a long film takes a third of the memory."""
-    pictures = (image.fromarray(frame).quantize(256) for frame in frames)
+    """Each picture is reduced to the palette as it comes, so a long film takes a third of the memory."""
+    first = next(frames)
+    palette = _palette(image, first)
+    pictures = (
+        image.fromarray(frame).quantize(palette=palette, dither=image.Dither.NONE) for frame in chain([first], frames)
+    )
     duration = 10 * max(2, round(100.0 / fps))
     next(pictures).save(path, save_all=True, append_images=pictures, duration=duration, loop=0)
 
