@@ -47,7 +47,7 @@ def test_a_stop_in_contact_scores_nothing_and_a_crushed_one_ends():
                 assert abs(state["travel"]) >= 0.08
             assert terminated == (abs(state["travel"]) > 0.08 + 0.015)
         assert touched and info["stop_hits"] >= 1 and not info["is_success"]
-        assert info["travel_peak"] == abs(env.get_state()["travel"])
+        assert info["travel_peak_mm"] == 1e3 * abs(env.get_state()["travel"])
 
 
 def test_episodes_of_the_default_scene_end_both_ways():
@@ -78,11 +78,11 @@ def test_metrics_are_those_of_the_path():
         hits += s["touches"]
     assert truncated and len(rewards) == 1000
     assert info["score"] == pytest.approx(np.mean(rewards), rel=1e-13)
-    assert info["acceleration_rms"] == pytest.approx(np.sqrt(np.mean(np.square(weighted))), rel=1e-13)
-    assert info["travel_rms"] == pytest.approx(np.sqrt(np.mean(np.square(travel))), rel=1e-13)
-    assert info["travel_peak"] == np.abs(travel).max()
+    assert info["acceleration_rms_m_s2"] == pytest.approx(np.sqrt(np.mean(np.square(weighted))), rel=1e-13)
+    assert info["travel_rms_mm"] == pytest.approx(1e3 * np.sqrt(np.mean(np.square(travel))), rel=1e-13)
+    assert info["travel_peak_mm"] == 1e3 * np.abs(travel).max()
     assert info["stop_hits"] == hits
-    assert info["is_success"] == (hits == 0 and info["acceleration_rms"] < 1 and info["travel_rms"] < 0.03)
+    assert info["is_success"] == (hits == 0 and info["acceleration_rms_m_s2"] < 1 and info["travel_rms_mm"] < 30)
 
 
 @pytest.mark.parametrize("scene", [None, {"payload": None}, {"damping": "absolute"}])

@@ -93,7 +93,7 @@ def outcome(state, action, params, envelope, energy, lags, gust, track, demands)
 def metrics(states: np.ndarray, scene: Scene) -> dict[str, np.ndarray]:
     """Domain metrics of episodes, one value per record.
 
-    score: mean reward; altitude_error [m], airspeed_error [m/s], heading_error [deg]: mean absolute errors;
+    score: mean reward; altitude_error_m, airspeed_error_m_s, heading_error_deg: mean absolute errors;
     time_in_band: share of the time with all three errors within 15 m, 1 m/s and 0.5 deg; movement: mean change
     of the commands per interval; left_envelope; is_success: never left the envelope and at least half of the
     time in band.
@@ -104,9 +104,9 @@ def metrics(states: np.ndarray, scene: Scene) -> dict[str, np.ndarray]:
     return {
         "is_success": (states["lost"] == 0) & (time_in_band >= SUCCESS_IN_BAND),
         "score": states["score_sum"] / steps,
-        "altitude_error": mean_error[:, 0],
-        "airspeed_error": mean_error[:, 1],
-        "heading_error": np.degrees(mean_error[:, 2]),
+        "altitude_error_m": mean_error[:, 0],
+        "airspeed_error_m_s": mean_error[:, 1],
+        "heading_error_deg": np.degrees(mean_error[:, 2]),
         "time_in_band": time_in_band,
         "movement": states["movement_sum"] / steps,
         "left_envelope": states["lost"] != 0,
@@ -235,7 +235,7 @@ class AutopilotEnv(ScalarEnv):
     after 480 steps by the registered time limit.
 
     At the end `info` holds `is_success` (inside the envelope, half of the time in band), `score` (mean reward), mean
-    absolute `altitude_error` [m], `airspeed_error` [m/s] and `heading_error` [deg], `time_in_band`, `movement` (mean
+    absolute `altitude_error_m`, `airspeed_error_m_s` and `heading_error_deg`, `time_in_band`, `movement` (mean
     command change per step) and `left_envelope`.
 
     ## Arguments

@@ -155,12 +155,12 @@ TASK = Task(
     params=Params,
     options={"scatter": Scatter, "spin": Spin},
     state=BallState,
-    scenes={"bell": {"scatter": True}, "rolling": {"scatter": True, "spin": True}},
+    scenes={"bell": {"scatter": True}, "rolling": {"scatter": {"normal": 0.003}, "spin": True}},
     default_scene="bell",
     levels={
         "nominal": {},
-        "light": {"scatter": {"restitution": 0.03, "normal": 0.003}},
-        "severe": {"scatter": {"restitution": 0.05, "normal": 0.005}},
+        "light": {"scatter": {"restitution": 0.03, "normal": 0.004}},
+        "severe": {"scatter": {"restitution": 0.05, "normal": 0.006}},
     },
     start=start,
     advance=advance,
@@ -222,7 +222,8 @@ class BallOnBarEnv(ScalarEnv):
 
     ## Arguments
     `scene`: `"bell"` (default: part c = 2/7 of the tangential velocity is lost at an impact, no spin), `"rolling"`
-    (a solid sphere that grips, spins and rolls: no open-loop motion of a flat bar holds it), or a dict of
+    (a solid sphere that grips, spins and rolls, on a surface half as rough again: no open-loop motion of a flat bar
+    holds it), or a dict of
     overrides: parameters and the options `scatter` (`restitution`, `normal`) and `spin` (`inertia_ratio`, `radius`);
     `vr-envs list BallOnBar` prints all with units. `render_mode`: None, `"rgb_array"` or `"human"`.
 

@@ -76,7 +76,7 @@ def outcome(state, action, params, undulation, road, bumps, stop, payload, lag, 
 def metrics(states: np.ndarray, scene: Scene) -> dict[str, np.ndarray]:
     """Domain metrics of episodes, one value per record.
 
-    score: mean reward; acceleration_rms [m/s^2]: weighted with Wk; travel_rms, travel_peak [m]: of the spring, at the
+    score: mean reward; acceleration_rms_m_s2: weighted with Wk; travel_rms_mm, travel_peak_mm: of the spring, at the
     control instants; stop_hits: times that a stop was touched; is_success: no stop hit, and acceleration and travel
     both below the values that halve the reward.
     """
@@ -87,9 +87,9 @@ def metrics(states: np.ndarray, scene: Scene) -> dict[str, np.ndarray]:
     return {
         "is_success": calm & (states["hits"] == 0),
         "score": states["score"] / steps,
-        "acceleration_rms": acceleration,
-        "travel_rms": travel,
-        "travel_peak": states["travel_peak"].copy(),
+        "acceleration_rms_m_s2": acceleration,
+        "travel_rms_mm": 1e3 * travel,
+        "travel_peak_mm": 1e3 * states["travel_peak"],
         "stop_hits": states["hits"].copy(),
     }
 
@@ -226,7 +226,7 @@ class TerrainRideEnv(ScalarEnv):
     steps by the registered time limit.
 
     At the end `info` holds `is_success` (no stop hit, rms acceleration below 1 m/s^2 and rms travel below 30 mm),
-    `score` (mean reward), `acceleration_rms` [m/s^2] (weighted), `travel_rms` and `travel_peak` [m] and `stop_hits`.
+    `score` (mean reward), `acceleration_rms_m_s2` (weighted), `travel_rms_mm`, `travel_peak_mm` and `stop_hits`.
 
     ## Arguments
     - `scene`: "road" (default), "lecture" (the lecture's model and nothing else: three sines for terrain, damping of
