@@ -27,7 +27,7 @@ from vr_envs.evaluation.scenarios import ScenarioSet, scenario_set
 Gains = dict[str, float]
 DECADE = 10.0
 # a CMA-ES run gets at most this part of the budget; one that converges early leaves more to the next
-RUNS = 3
+RUNS = 2
 SHORTEST = 12
 
 
