@@ -21,12 +21,14 @@ class BatchVecEnv(VecEnv):
     "r", length "l" and the seconds since the start "t", as the Monitor wrapper reports them.
     """
 
-    def __init__(self, batch: BatchEnv, reward_scale: float = 1.0) -> None:
+    def __init__(self, batch: BatchEnv, reward_scale: float = 1.0, stagger: int = 0) -> None:
         """Adapt `batch`.
 
         Args:
             batch: its `autoreset_mode` is SAME_STEP.
             reward_scale: factor on the rewards that the learner sees; `episode` keeps the environment's own.
+            stagger: control intervals over which the rows' time limits are spread evenly in their first episodes,
+                so that a short rollout holds every part of an episode; 0 keeps the rows in step.
 
         Raises:
             ValueError: another autoreset mode.
@@ -35,6 +37,7 @@ class BatchVecEnv(VecEnv):
             raise ValueError(f"autoreset_mode = {batch.autoreset_mode}; Stable-Baselines3 needs SAME_STEP")
         self.batch = batch
         self.reward_scale = reward_scale
+        self.stagger = stagger
         self._start = time.perf_counter()
         self._returns = np.zeros(batch.num_envs)
         self._lengths = np.zeros(batch.num_envs, np.int64)
@@ -46,6 +49,10 @@ class BatchVecEnv(VecEnv):
         self._reset_seeds()
         self._returns[:] = 0.0
         self._lengths[:] = 0
+        if self.stagger:
+            states = self.batch.get_state()
+            states["steps"] += np.arange(self.num_envs) * self.stagger // self.num_envs
+            self.batch.set_state(states)
         return obs
 
     def step_async(self, actions: np.ndarray) -> None:

@@ -20,7 +20,7 @@ from agents.adapter import BatchVecEnv
 from agents.config import Config
 from agents.policy import policy_kwargs
 from vr_envs.envs.base import BatchEnv
-from vr_envs.envs.registry import spec_of, task_of
+from vr_envs.envs.registry import limit_of, spec_of, task_of
 
 
 def make_batch(env: str, scene: Any, num_envs: int) -> BatchEnv:
@@ -85,12 +85,12 @@ def build(config: Config, batch: BatchEnv, clock: Clock, initial_action: np.ndar
     """The untrained model: seeded, on one thread, its mean at `initial_action` if one is given.
 
     Rewards are scaled by 1 - gamma, so that the values to be learnt lie in [0, 1] as the rewards do and the
-    value loss does not drown the policy's gradient in their common norm.
+    value loss does not drown the policy's gradient in their common norm. Episodes are staggered.
     """
     torch.set_num_threads(1)
     model = PPO(
         "MlpPolicy",
-        BatchVecEnv(batch, reward_scale=1.0 - config.gamma),
+        BatchVecEnv(batch, 1.0 - config.gamma, limit_of(config.env)),
         # the learning rate falls to 0 with the steps or with the time, whichever is further
         learning_rate=lambda remaining: config.learning_rate * min(remaining, clock.remaining()),
         n_steps=config.n_steps,
