@@ -33,7 +33,6 @@ class State(DemandState):
     earlier_action: float = quantity(0.0, "", "the action before", shape=(3,))
     error_sum: float = quantity(0.0, "m, m/s, rad", "sum of |error| over the steps", shape=(3,))
     movement_sum: float = quantity(0.0, "", "sum of the mean command change")
-    score_sum: float = quantity(0.0, "", "sum of the rewards")
     in_band: int = quantity(0, "", "steps with all three errors within the band")
     lost: bool = quantity(False, "", "the aircraft has left the envelope")
 
@@ -83,7 +82,6 @@ def outcome(state, action, params, envelope, energy, lags, gust, track, demands)
     reward = 0.0
     if not state.lost:
         reward = THIRD * closeness * (1.0 - min(RESTLESS_COST / RESTLESS * movement, RESTLESS_COST))
-    state.score_sum += reward
     if demands is not None:  # noqa: SIM102 (numba prunes a bare test of None)
         if state.steps >= state.next_change:
             change_demands(state, params, envelope, demands)
@@ -93,7 +91,7 @@ def outcome(state, action, params, envelope, energy, lags, gust, track, demands)
 def metrics(states: np.ndarray, scene: Scene) -> dict[str, np.ndarray]:
     """Domain metrics of episodes, one value per record.
 
-    score: mean reward; altitude_error_m, airspeed_error_m_s, heading_error_deg: mean absolute errors;
+    altitude_error_m, airspeed_error_m_s, heading_error_deg: mean absolute errors;
     time_in_band: share of the time with all three errors within 15 m, 1 m/s and 0.5 deg; movement: mean change
     of the commands per interval; left_envelope; is_success: never left the envelope and at least half of the
     time in band.
@@ -103,7 +101,6 @@ def metrics(states: np.ndarray, scene: Scene) -> dict[str, np.ndarray]:
     time_in_band = states["in_band"] / steps
     return {
         "is_success": (states["lost"] == 0) & (time_in_band >= SUCCESS_IN_BAND),
-        "score": states["score_sum"] / steps,
         "altitude_error_m": mean_error[:, 0],
         "airspeed_error_m_s": mean_error[:, 1],
         "heading_error_deg": np.degrees(mean_error[:, 2]),
@@ -234,7 +231,7 @@ class AutopilotEnv(ScalarEnv):
     Terminated: on the ground, stalled (60 m/s), above the top speed (300 m/s) or the ceiling (13 km). Truncated:
     after 480 steps by the registered time limit.
 
-    At the end `info` holds `is_success` (inside the envelope, half of the time in band), `score` (mean reward), mean
+    At the end `info` holds `is_success` (inside the envelope, half of the time in band), mean
     absolute `altitude_error_m`, `airspeed_error_m_s` and `heading_error_deg`, `time_in_band`, `movement` (mean
     command change per step) and `left_envelope`.
 

@@ -21,7 +21,6 @@ from vr_envs.evaluation.statistics import Estimate, bootstrap, difference, estim
 from vr_envs.evaluation.table import interval, markdown
 
 SUCCESS = "is_success"
-SCORE = "score"
 METRICS_SHOWN = 4
 
 
@@ -55,7 +54,7 @@ class Report:
 
     def table(self) -> str:
         """A title line and a Markdown table, aligned to be read as plain text too."""
-        names = [name for name in self.rows[0].metrics if name != SCORE][:METRICS_SHOWN]
+        names = list(self.rows[0].metrics)[:METRICS_SHOWN]
         head = ["policy", "score", "IQM", "normalised", "minus baseline", "success", *names]
         body = [
             [
