@@ -7,13 +7,13 @@ from pathlib import Path
 from tqdm import tqdm
 
 from agents.config import Config
-from vr_envs.cli.render import pace, pictures
 from vr_envs.controllers.policy import Policy
 from vr_envs.envs.registry import limit_of, task_of
 from vr_envs.envs.scene import resolve
 from vr_envs.evaluation.rollout import episode
 from vr_envs.evaluation.scenarios import scenario_keys
 from vr_envs.render import painter, write_animation
+from vr_envs.render.film import pace, pictures
 
 SLOW_MOTION = 4  # pictures per control interval, where a system has pictures in between
 

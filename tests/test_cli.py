@@ -9,9 +9,9 @@ import pytest
 
 from tests.toy import LIMIT
 from vr_envs.__main__ import main
-from vr_envs.cli.render import pace, pictures
 from vr_envs.envs.registry import ids, task_of
 from vr_envs.envs.scene import resolve
+from vr_envs.render.film import pace, pictures
 
 HEAVY = ("numba", "scipy", "matplotlib", "pygame", "torch", "pymunk", "imageio", "cma")
 

@@ -3,18 +3,10 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from vr_envs.cli.common import UserError, add_command, add_scene, check_writable, positive, scene_of, user_input, whole
-
-if TYPE_CHECKING:
-    import numpy as np
-
-SUFFIXES = (".gif", ".mp4", ".png")
-FRAMES_PER_SECOND = 30.0
-SLOWEST = 10.0
 
 
 def add(commands: Any) -> None:
@@ -56,6 +48,8 @@ def run(arguments: argparse.Namespace) -> None:
     from vr_envs.evaluation.report import choose
     from vr_envs.evaluation.rollout import episode
     from vr_envs.evaluation.scenarios import scenario_keys
+    from vr_envs.render.animation import SUFFIXES
+    from vr_envs.render.film import pace, pictures
 
     with user_input():
         task, limit = task_of(arguments.id), limit_of(arguments.id)
@@ -84,30 +78,3 @@ def run(arguments: argparse.Namespace) -> None:
     except ImportError as error:
         raise UserError(str(error)) from error
     print(out)
-
-
-def pace(dt: float, between: int = 1) -> tuple[int, float]:
-    """Control intervals per picture, and pictures per second.
-
-    Real time, but never below 10 pictures per second; with pictures in between, slow motion at 30 per second.
-    """
-    if between > 1:
-        return 1, FRAMES_PER_SECOND
-    stride = max(1, round(1.0 / (FRAMES_PER_SECOND * dt)))
-    return stride, max(SLOWEST, 1.0 / (stride * dt))
-
-
-def pictures(artist: Any, states: Iterable[np.void], stride: int, between: int) -> Iterator[np.ndarray]:
-    """The first state, then every `stride`-th one and the last; or each with `between` - 1 pictures before it."""
-    before = state = None
-    step = shown = 0
-    for step, state in enumerate(states):
-        if before is not None and between > 1:
-            yield from artist.frames(before, state, between)
-            shown = step
-        elif step % stride == 0:
-            yield artist.draw(state)
-            shown = step
-        before = state
-    if shown != step:
-        yield artist.draw(state)

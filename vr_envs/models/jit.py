@@ -55,6 +55,6 @@ def kernel(function: Any) -> Any:
 
     The variables that a kernel closes over, if any, must themselves be kernels.
     """
-    dispatcher = numba.njit(nogil=True, error_model="numpy")(function)
+    dispatcher: Any = numba.njit(nogil=True, error_model="numpy")(function)
     dispatcher._cache = _KernelCache(function)
     return dispatcher
