@@ -1,4 +1,5 @@
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -6,12 +7,13 @@ from safetensors.numpy import load_file
 
 from agents import __main__ as command
 from agents import curve
-from agents.config import from_mapping
+from agents.config import from_mapping, load
 from agents.learn import Clock
 from agents.policy import TrainedPolicy
-from agents.train import POLICY, evaluate, train
+from agents.train import POLICY, evaluate, initial_action, resolved, train
 from tests import toy
 
+ROOT = Path(__file__).resolve().parents[2]
 SMALL = {"env": toy.ID, "num_envs": 64, "n_steps": 20, "batch_size": 320, "hidden": [16], "timesteps": 1280}
 
 
@@ -119,3 +121,33 @@ def test_help(arguments, capsys):
     with pytest.raises(SystemExit) as stopped:
         command.main(arguments)
     assert stopped.value.code == 0 and "usage" in capsys.readouterr().out
+
+
+def test_configs_fit_their_environments():
+    files = sorted((ROOT / "configs").rglob("*.yaml"))
+    assert len(files) >= 3
+    for path in files:
+        config, task, scene = resolved(load(path))
+        action = initial_action(config, task, scene)
+        assert action is None or len(action) == len(task.action_channels(scene))
+
+
+def test_whole_run_on_a_registered_id(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("agents.episode.SLOW_MOTION", 1)
+    out = tmp_path / "run"
+    small = ["--timesteps", "512", *(f"--set={k}" for k in ("num_envs=8", "n_steps=32", "batch_size=128"))]
+    arguments = [
+        "train",
+        str(ROOT / "configs/ball_on_bar/ppo.yaml"),
+        "--out",
+        str(out),
+        "--quiet",
+        "--scenarios",
+        "4",
+        *small,
+    ]
+    assert command.main(arguments) == 0
+    made = {p.name for p in out.iterdir()}
+    assert made >= {POLICY, "config.yaml", "progress.csv", "learning_curve.png", "results.json", "results.md"}
+    assert (out / "episode.mp4").stat().st_size > 1000
+    assert "| ppo" in (out / "results.md").read_text() and str(out) in capsys.readouterr().out
