@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import copy
+import sys
+import threading
 from collections.abc import Mapping
 from typing import Any
 
@@ -38,6 +41,21 @@ class World:
         self.observation_space = box(task.observation_channels(self.scene))
         self.action_space = box(task.action_channels(self.scene))
         self.widths = (self.observation_space.shape[0], self.action_space.shape[0])
+        self._compiled = False
+
+    def _compile(self) -> None:
+        """Compile the kernels, or load them from the cache; a word on stderr if that takes longer than two seconds."""
+        message = f"vr_envs: compiling {self.task.name}, scene {self.scene.name}; the next run will start at once"
+        timer = threading.Timer(2.0, print, (message,), {"file": sys.stderr, "flush": True})
+        timer.start()
+        try:
+            scratch = copy.copy(self)
+            scratch.states, scratch._compiled = np.zeros(1, self.states.dtype), True
+            scratch.reset(np.zeros(1, np.intp), np.zeros(1, np.uint64), scratch.observe())
+            scratch.step(np.zeros((1, self.widths[1])), np.ones(1, np.bool_), 1)
+        finally:
+            timer.cancel()
+        self._compiled = True
 
     def actions(self, given: Any, shape: tuple[int, ...]) -> np.ndarray:
         """A fresh float64 copy of the actions, (n, width)."""
@@ -65,6 +83,8 @@ class World:
 
     def reset(self, rows: np.ndarray, keys: np.ndarray, obs: np.ndarray) -> None:
         """Start the given rows afresh and write their observations."""
+        if not self._compiled:
+            self._compile()
         self.states[rows] = np.zeros((), self.states.dtype)
         self.rows.reset(self.states, rows, keys, obs, self.params, self.options)
 
