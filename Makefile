@@ -36,7 +36,7 @@ types: $(VENV)/.installed-dev  ## check types
 	$(BIN)/pyright --pythonpath $(BIN)/python
 
 bench: $(VENV)/.installed  ## measure throughput
-	$(BIN)/vr-envs bench
+	$(BIN)/vr-envs bench speed
 
 clean:  ## remove the environment and every cache; runs/ stays
 	rm -rf $(VENV) build dist *.egg-info .pytest_cache .ruff_cache .hypothesis

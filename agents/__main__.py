@@ -68,7 +68,10 @@ def _train(config: Config, arguments: argparse.Namespace) -> int:
     print(f"{config.env}: preparing (kernels are compiled on the first run)", flush=True)
     folder, learned = train(config, arguments.out, show)
     speed = learned.timesteps / learned.elapsed_s
-    print(f"trained {learned.timesteps} steps in {learned.elapsed_s:.1f} s, {speed:.0f} steps/s", flush=True)
+    print(
+        f"trained {learned.timesteps} steps (whole rollouts) in {learned.elapsed_s:.1f} s, {speed:.0f} steps/s",
+        flush=True,
+    )
     baseline = None
     if not arguments.no_evaluate and not learned.interrupted:
         report = evaluate(folder, scenarios=arguments.scenarios, show=show)

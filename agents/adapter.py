@@ -28,7 +28,8 @@ class BatchVecEnv(VecEnv):
             batch: its `autoreset_mode` is SAME_STEP.
             reward_scale: factor on the rewards that the learner sees; `episode` keeps the environment's own.
             stagger: control intervals over which the rows' time limits are spread evenly in their first episodes,
-                so that a short rollout holds every part of an episode; 0 keeps the rows in step.
+                so that a short rollout holds every part of an episode; 0 keeps the rows in step. The first episodes
+                are then cut short, and get no "episode" info.
 
         Raises:
             ValueError: another autoreset mode.
@@ -41,6 +42,7 @@ class BatchVecEnv(VecEnv):
         self._start = time.perf_counter()
         self._returns = np.zeros(batch.num_envs)
         self._lengths = np.zeros(batch.num_envs, np.int64)
+        self._whole = np.ones(batch.num_envs, np.bool_)
         super().__init__(batch.num_envs, batch.single_observation_space, batch.single_action_space)
 
     def reset(self) -> np.ndarray:
@@ -49,6 +51,7 @@ class BatchVecEnv(VecEnv):
         self._reset_seeds()
         self._returns[:] = 0.0
         self._lengths[:] = 0
+        self._whole[:] = self.stagger == 0
         if self.stagger:
             states = self.batch.get_state()
             states["steps"] += np.arange(self.num_envs) * self.stagger // self.num_envs
@@ -77,7 +80,9 @@ class BatchVecEnv(VecEnv):
             infos[i] = {name: values[i] for name, values in metrics.items()}
             infos[i]["terminal_observation"] = batch_infos["final_obs"][i]
             infos[i]["TimeLimit.truncated"] = bool(timed_out[i])
-            infos[i]["episode"] = {"r": round(float(self._returns[i]), 6), "l": int(self._lengths[i]), "t": elapsed}
+            if self._whole[i]:
+                infos[i]["episode"] = {"r": round(float(self._returns[i]), 6), "l": int(self._lengths[i]), "t": elapsed}
+        self._whole[rows] = True
         self._returns[rows] = 0.0
         self._lengths[rows] = 0
 

@@ -44,7 +44,7 @@ def draw(folder: Path, limit: int, title: str, baseline: tuple[str, float] | Non
     axes.set(xlabel="control intervals, millions", ylabel="score: mean reward per possible step", title=title)
     axes.set_xlim(left=0.0)
     axes.grid(alpha=0.3)
-    axes.legend(loc="lower right")
+    axes.legend(loc="best")
     picture = io.BytesIO()
     figure.savefig(picture, format="png")
     path = folder / "learning_curve.png"

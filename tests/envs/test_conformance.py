@@ -251,7 +251,7 @@ def test_bad_arguments_say_what_was_given_and_what_is_allowed(id):
         ({"scenario": -1}, "scenario"),
         ({"scenario": 0.5}, "scenario"),
         ({"weather": 1}, "weather.*allowed"),
-        ({"state": np.zeros(1)}, "dtype"),
+        ({"state": np.zeros(1)}, "not a record of"),
     ]:
         with pytest.raises(ValueError, match=message):
             env.reset(options=options)
@@ -264,3 +264,37 @@ def test_a_spec_survives_json(id):
     env = gym.make(id, scene={"base": scenes_of(id)[0]})
     again = gym.make(gym.envs.registration.EnvSpec.from_json(env.spec.to_json()))
     same(env.reset(seed=4)[0], again.reset(seed=4)[0])
+
+
+@pytest.mark.parametrize("id", IDS)
+def test_a_restored_episode_ends_where_the_record_says(id, limited):
+    limited(id, 12)
+    env = gym.make(id)
+    env.reset(seed=0)
+    action = np.zeros(env.action_space.shape, np.float32)
+    for _ in range(8):
+        env.step(action)
+    saved = env.unwrapped.get_state()
+    on = [env.step(action) for _ in range(4)]
+    assert on[-1][3] and on[-1][4]["is_success"] in (True, False)
+    other = gym.make(id)
+    other.reset(options={"state": saved})
+    same([other.step(action) for _ in range(4)], on)
+    batch, plain = gym.make_vec(id, 2), gym.vector.SyncVectorEnv([lambda: gym.make(id)] * 2)
+    for vector in (batch, plain):
+        vector.reset(seed=1, options={"state": saved})
+    for _ in range(4):
+        actions = np.tile(action, (2, 1))
+        same(batch.step(actions), plain.step(actions))
+    assert batch._done.all()
+
+
+@pytest.mark.parametrize("id", IDS)
+def test_a_batch_takes_one_state_or_one_each(id):
+    batch = gym.make_vec(id, 3)
+    batch.reset(seed=0)
+    states = batch.get_state()
+    batch.reset(options={"state": states[1]})
+    assert [row.tobytes() for row in batch.get_state()] == [states[1].tobytes()] * 3
+    with pytest.raises(ValueError, match="2 records; give one, or one for each of 3"):
+        batch.reset(options={"state": states[:2]})

@@ -70,7 +70,7 @@ def details(env_id: str, scene: Any) -> str:
     for kind, listed in channels.items():
         body = [[str(k), c.name, f"[{c.low:g}, {c.high:g}]", c.unit or "1", c.doc] for k, c in enumerate(listed)]
         blocks += [
-            f"{kind.capitalize()} channels in scene {chosen.name}",
+            f"{kind.capitalize()} channels in scene {chosen.label}",
             markdown(["", "channel", "range", "unit", "meaning"], body, left=range(5)),
         ]
     return "\n\n".join(blocks)

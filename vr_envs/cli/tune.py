@@ -21,7 +21,7 @@ def add(commands: Any) -> None:
     parser.add_argument("--scene", metavar="NAME", help="a preset; default: the environment's default scene")
     parser.add_argument("--policy", metavar="NAME", help="only this one; default: all that have gains")
     parser.add_argument(
-        "--evaluations", type=whole(30), default=300, metavar="N", help="rollouts per policy; default 300"
+        "--evaluations", type=whole(30), default=1000, metavar="N", help="rollouts per policy; default 1000"
     )
     parser.add_argument("--scenarios", type=whole(2), default=128, metavar="N", help="per rollout; default 128")
     parser.add_argument("--seed", type=whole(0), default=0, help="of the search and its scenarios; default 0")

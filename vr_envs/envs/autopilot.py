@@ -142,6 +142,10 @@ def validate(scene: Scene) -> None:
             raise ValueError(f"{low_name} = {low:g} is not allowed; it must not exceed {high_name} = {high:g}")
 
 
+def _control_interval(scene: Scene) -> float:
+    return scene.params.dt
+
+
 TASK = Task(
     name="autopilot",
     params=model.Params,
@@ -172,7 +176,7 @@ TASK = Task(
     observation_channels=channels,
     action_channels=action_channels,
     metrics=metrics,
-    dt=lambda scene: scene.params.dt,
+    dt=_control_interval,
     validate=validate,
 )
 

@@ -136,6 +136,10 @@ def _metrics(states: np.ndarray, scene: Scene) -> dict[str, np.ndarray]:
     }
 
 
+def _cycle(scene: Scene) -> float:
+    return scene.params.period
+
+
 def _validate(scene: Scene) -> None:
     p = scene.params
     if p.start_min > p.start_max or p.start_max >= p.half_length:
@@ -169,7 +173,7 @@ TASK = Task(
     observation_channels=_observations,
     action_channels=_actions,
     metrics=_metrics,
-    dt=lambda scene: scene.params.period,
+    dt=_cycle,
     validate=_validate,
 )
 
@@ -184,8 +188,8 @@ class BallOnBarEnv(ScalarEnv):
     it goes to a new motion along a blend with continuous position and velocity.
 
     ## Action Space
-    `Box(-1, 1, (6,), float32)`: amplitude and phase of the three motions as in-phase and quadrature parts
-    (an amplitude of zero has no phase, and phases wrap; the two parts have neither flaw).
+    `Box(-1, 1, (6,), float32)`, clipped to it: amplitude and phase of the three motions as in-phase and quadrature
+    parts (an amplitude of zero has no phase, and phases wrap; the two parts have neither flaw).
 
     | # | action | at 1 (default scene) |
     |---|--------|----------------------|

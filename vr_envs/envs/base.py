@@ -37,7 +37,7 @@ class ScalarEnv(gym.Env[np.ndarray, np.ndarray]):
         self.render_mode = render_mode
         self._live = np.ones(1, np.bool_)
         self._row = np.zeros(1, np.intp)
-        self._ready = False
+        self._ready = self._restored = False
         self._limit = NO_LIMIT
         self._painter: Any = None
 
@@ -58,6 +58,7 @@ class ScalarEnv(gym.Env[np.ndarray, np.ndarray]):
             keys = np.array([episode_key(self.np_random)]) if keys is None else keys
             obs = np.empty((1, self.world.widths[0]), np.float32)
             self.world.reset(self._row, keys, obs)
+            self._restored = False
         self._ready = True
         if self.render_mode == "human":
             self.render()
@@ -75,12 +76,12 @@ class ScalarEnv(gym.Env[np.ndarray, np.ndarray]):
         actions = self.world.actions(action, (self.world.widths[1],))
         obs, rewards, terminated, truncated = self.world.step(actions, self._live, self._limit)
         info: dict[str, Any] = {}
-        if terminated[0] or truncated[0]:
+        if terminated[0] or self.world.states["steps"][0] == self._limit:
             info = self.metrics()
-            self._ready = not terminated[0]
+        self._ready = not terminated[0]
         if self.render_mode == "human":
             self.render()
-        return obs[0], float(rewards[0]), bool(terminated[0]), False, info
+        return obs[0], float(rewards[0]), bool(terminated[0]), self._restored and bool(truncated[0]), info
 
     def metrics(self) -> dict[str, Any]:
         """Domain metrics of the episode so far, as the last step's info has them.
@@ -95,9 +96,13 @@ class ScalarEnv(gym.Env[np.ndarray, np.ndarray]):
         return self.world.states[0].copy()
 
     def set_state(self, state: Any) -> None:
-        """Go to a record that `get_state` returned. A TimeLimit wrapper keeps its own count of steps."""
+        """Go to a record that `get_state` returned.
+
+        A TimeLimit wrapper counts from its own last reset; a restored episode is truncated by the environment
+        itself, when the record has made the registered number of steps.
+        """
         self.world.load(state, self._row)
-        self._ready = True
+        self._ready = self._restored = True
 
     def render(self) -> Any:
         """A picture of the present state: (height, width, 3) uint8, or None in "human" mode."""
@@ -203,7 +208,11 @@ class BatchEnv(gym.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
                     self._generators[i], self._seeds[i] = seeding.np_random(seeds[i])
         if options and options.get("state") is not None:
             given = np.atleast_1d(np.asarray(options["state"]))
-            self.world.load(given if len(given) == len(rows) else given[rows], rows)
+            if len(given) not in (1, self.num_envs):
+                raise ValueError(
+                    f"options['state'] has {len(given)} records; give one, or one for each of {self.num_envs} envs"
+                )
+            self.world.load(np.broadcast_to(given, self.num_envs)[rows], rows)
         else:
             unseen = np.empty((self.num_envs, self.world.widths[0]), np.float32)
             self.world.reset(rows, self._keys(rows) if keys is None else keys[rows], unseen)

@@ -27,6 +27,8 @@ class Scene:
     name: str
     params: Any
     options: dict[str, Any]
+    label: str
+    """The preset's name, and what differs from the preset."""
 
     def records(self) -> tuple[np.void, tuple[np.void | None, ...]]:
         """The records that kernels take: (params, options in kernel order)."""
@@ -92,6 +94,26 @@ def resolve(task: Task, scene: str | Mapping[str, Any] | None = None) -> Scene:
                 if key not in _field_names(cls):
                     raise unknown_key(key, _field_names(cls), f"option {name!r} of {task.name}")
         options[name] = None if values is None else checked(cls, values, f"{name}.")
-    resolved = Scene(base, checked(task.params, merged, ""), options)
+    resolved = Scene(base, checked(task.params, merged, ""), options, base)
     task.validate(resolved)
-    return resolved
+    if scene is None or isinstance(scene, str):
+        return resolved
+    return dataclasses.replace(resolved, label=_label(resolved, resolve(task, base)))
+
+
+def _label(scene: Scene, preset: Scene) -> str:
+    """The preset's name with the values that differ from it."""
+    changes = []
+    for key, value in scene.as_dict().items():
+        usual = preset.as_dict()[key]
+        if isinstance(value, dict) and isinstance(usual, dict):
+            changes += [f"{key}.{k} = {_brief(v)}" for k, v in value.items() if v != usual[k]]
+        elif value != usual:
+            changes.append(
+                f"no {key}" if value is None else key if isinstance(value, dict) else f"{key} = {_brief(value)}"
+            )
+    return f"{scene.name} with {', '.join(changes)}" if changes else scene.name
+
+
+def _brief(value: Any) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)

@@ -126,6 +126,10 @@ def validate(scene: Scene) -> None:
         raise ValueError("road = null is not allowed without an undulation; give one of the two")
 
 
+def _control_interval(scene: Scene) -> float:
+    return model.CONTROL_INTERVAL
+
+
 TASK = Task(
     name="terrain_ride",
     params=model.Params,
@@ -165,7 +169,7 @@ TASK = Task(
     observation_channels=channels,
     action_channels=action_channels,
     metrics=metrics,
-    dt=lambda scene: model.CONTROL_INTERVAL,
+    dt=_control_interval,
     validate=validate,
 )
 

@@ -92,7 +92,7 @@ class World:
         """Overwrite the given rows with saved records, after checking them."""
         given = np.atleast_1d(np.asarray(states))
         if given.dtype != self.states.dtype:
-            raise ValueError(f"state has dtype {given.dtype}; give what get_state() returned for this task and scene")
+            raise ValueError(f"state is not a record of {self.task.name}; give what get_state() returned, in any scene")
         if given.shape != (len(rows),):
             raise ValueError(f"state has shape {given.shape}; give {len(rows)} records")
         for name in given.dtype.names or ():

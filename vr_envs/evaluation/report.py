@@ -22,6 +22,10 @@ from vr_envs.evaluation.table import interval, markdown
 
 SUCCESS = "is_success"
 METRICS_SHOWN = 4
+LEGEND = (
+    "score: mean reward per possible step, 1 is perfect. normalised: do-nothing is 0, the documents' baseline 1.\n"
+    "minus baseline: paired difference of the scores. success: share of the episodes with is_success."
+)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -53,27 +57,31 @@ class Report:
     rollouts: dict[str, Rollout]
 
     def table(self) -> str:
-        """A title line and a Markdown table, aligned to be read as plain text too."""
+        """A title line and two Markdown tables, scores and the task's metrics, aligned to be read as plain text too."""
         names = list(self.rows[0].metrics)[:METRICS_SHOWN]
-        head = ["policy", "score", "IQM", "normalised", "minus baseline", "success", *names]
+        labels = [f"{row.policy} (baseline)" if row.policy == self.baseline else row.policy for row in self.rows]
+        head = ["policy", "score", "IQM", "normalised", "minus baseline", "success"]
         body = [
             [
-                f"{row.policy} (baseline)" if row.policy == self.baseline else row.policy,
+                label,
                 interval(row.score),
                 interval(row.iqm, bounds=False),
                 interval(row.normalised),
                 "" if row.policy == self.baseline else interval(row.difference, sign=True),
                 f"{100 * row.success.value:.1f} %",
-                *(interval(row.metrics[name]) for name in names),
             ]
-            for row in self.rows
+            for label, row in zip(labels, self.rows, strict=True)
+        ]
+        metrics = [
+            [label, *(interval(row.metrics[name]) for name in names)]
+            for label, row in zip(labels, self.rows, strict=True)
         ]
         chosen = self.scenarios
         title = (
-            f"{chosen.env_id}, scene {chosen.scene.name}, level {chosen.level}: "
+            f"{chosen.env_id}, scene {chosen.scene.label}, level {chosen.level}: "
             f"{len(chosen)} held-out scenarios (seed {chosen.seed}), mean [95 % interval]"
         )
-        return f"{title}\n\n{markdown(head, body)}"
+        return f"{title}\n\n{markdown(head, body)}\n\n{markdown(['policy', *names], metrics)}\n\n{LEGEND}"
 
     def as_dict(self) -> dict[str, Any]:
         """The whole report in JSON's types; an undefined number is None."""

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from tqdm import tqdm
 
-from vr_envs.controllers.ladder import CONSTANT, constant, ladder, laws_of, tuned_file, tuned_of
+from vr_envs.controllers.ladder import CONSTANT, constant, gains_of, ladder, laws_of, tuned_file, tuned_of
 from vr_envs.controllers.policy import Constant, Policy
 from vr_envs.envs.scene import Scene
 from vr_envs.envs.task import Task
@@ -46,16 +46,20 @@ class Candidate:
             found[name] = float(min(high, max(low, value)))
         return found
 
-    def default(self) -> np.ndarray:
-        """The defaults as a point of the unit cube."""
+    def unit(self, gains: Gains) -> np.ndarray:
+        """The point of the unit cube at which the gains are these."""
         return np.array(
             [
-                math.log(default / low) / math.log(high / low)
+                math.log(gains[name] / low) / math.log(high / low)
                 if _logarithmic(low, high)
-                else (default - low) / (high - low)
-                for low, high, default in self.ranges.values()
+                else (gains[name] - low) / (high - low)
+                for name, (low, high, _) in self.ranges.items()
             ]
         )
+
+    def default(self) -> np.ndarray:
+        """The defaults as a point of the unit cube."""
+        return self.unit({name: default for name, (_, _, default) in self.ranges.items()})
 
 
 def _logarithmic(low: float, high: float) -> bool:
@@ -171,12 +175,14 @@ def tune(
     env_id: str,
     scene: str | None = None,
     policies: list[str] | None = None,
-    evaluations: int = 300,
+    evaluations: int = 1000,
     scenarios: int = 128,
     seed: int = 0,
     progress: bool = False,
 ) -> dict[str, dict[str, Any]]:
     """Tune policies in a preset; each is stored in the task's tuned file when it is done. Returns what was stored.
+
+    Gains that are stored already are a starting point and a finalist, so a short search does not make them worse.
 
     Args:
         env_id: a registered id.
@@ -201,6 +207,9 @@ def tune(
         for policy in sorted(chosen, key=list(tunable).index):
             bar.set_description(policy)
             known = _constant_laws(task, train.scene) if policy == CONSTANT else []
+            stored = gains_of(task, train.scene).get(policy)
+            if stored is not None and stored.keys() == tunable[policy].ranges.keys():
+                known.append(tunable[policy].unit(stored))
             found[policy] = {
                 **tune_policy(tunable[policy], train, check, evaluations, seed, known, bar),
                 "seed": seed,

@@ -64,7 +64,8 @@ class Painter:
     def heading(self, right: str) -> None:
         """The title line: the system and its scene, and `right` at the right margin."""
         self.canvas.text(self.TITLE, (MARGIN, 20), INK, TITLE)
-        self.canvas.text(f"scene {self.scene.name}", (0.5 * WIDTH, 21), GREY, SMALL, "centre")
+        label = self.scene.label if len(self.scene.label) <= 40 else f"{self.scene.name} with changes"
+        self.canvas.text(f"scene {label}", (0.5 * WIDTH, 21), GREY, SMALL, "centre")
         self.canvas.text(right, (WIDTH - MARGIN, 21), INK, align="right")
 
     def close(self) -> None:
