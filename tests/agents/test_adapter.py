@@ -74,3 +74,19 @@ def test_reward_scale_leaves_the_episode_return_alone():
 def test_another_autoreset_mode_is_refused():
     with pytest.raises(ValueError, match="SAME_STEP"):
         BatchVecEnv(gym.make_vec(toy.ID, 2))
+
+
+def test_staggered_rows_end_one_after_the_other_and_their_first_fragments_are_not_reported():
+    rows = gym.make_vec(toy.ID, 4, autoreset_mode=AutoresetMode.SAME_STEP)
+    adapted = BatchVecEnv(rows, stagger=toy.LIMIT)
+    adapted.seed(0)
+    adapted.reset()
+    ends, reported = [[] for _ in range(4)], []
+    for step in range(2 * toy.LIMIT):
+        _, _, dones, infos = adapted.step(np.zeros((4, 1), np.float32))
+        for row in np.flatnonzero(dones):
+            ends[row].append(step)
+            if "episode" in infos[row]:
+                reported.append(infos[row]["episode"]["l"])
+    assert len({row[0] for row in ends}) == 4
+    assert reported and set(reported) == {toy.LIMIT}

@@ -96,3 +96,9 @@ def test_the_best_constant_is_no_worse_than_a_law_that_is_constant(toy, monkeypa
     found = tune(toy, "biased", ["best-constant"], 30, 8)["best-constant"]
     check = scenario_set(toy, "biased", n=32, seed=1, side="training")
     assert found["check_score"] >= rollout(Constant(np.array([-0.5])), check).scores.mean()
+
+
+def test_a_short_search_does_not_make_stored_gains_worse(toy):
+    good = tune(toy, "biased", ["proportional"], evaluations=120, scenarios=32)["proportional"]
+    again = tune(toy, "biased", ["proportional"], evaluations=30, scenarios=32)["proportional"]
+    assert again["check_score"] >= good["check_score"]
