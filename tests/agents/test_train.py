@@ -151,3 +151,14 @@ def test_whole_run_on_a_registered_id(tmp_path, monkeypatch, capsys):
     assert made >= {POLICY, "config.yaml", "progress.csv", "learning_curve.png", "results.json", "results.md"}
     assert (out / "episode.mp4").stat().st_size > 1000
     assert "| ppo" in (out / "results.md").read_text() and str(out) in capsys.readouterr().out
+
+
+def test_interrupted_training_keeps_what_was_learnt(tmp_path, file, monkeypatch, capsys):
+    def interrupt(self):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("agents.learn._Watch._on_rollout_end", interrupt)
+    out = tmp_path / "run"
+    assert command.main(["train", str(file), "--out", str(out), "--quiet"]) == 130
+    assert TrainedPolicy(out / POLICY).facts["timesteps"] == SMALL["num_envs"] * SMALL["n_steps"]
+    assert not (out / "results.json").exists()
