@@ -35,6 +35,14 @@ class Params(BarParams):
     )
 
 
+@dataclasses.dataclass(frozen=True)
+class State(BallState):
+    """The ball, the bar, and the sums from which the metrics follow."""
+
+    sum_x2: float = quantity(0.0, "m^2", "sum of x^2 over cycles")
+    max_x: float = quantity(0.0, "m", "largest |x| at the end of a cycle")
+
+
 @kernel
 def start(state, params, scatter, spin):
     """Ball displaced along the bar, on the vertical period-one orbit of the bar's motion at action 0.
@@ -56,6 +64,9 @@ def start(state, params, scatter, spin):
 
 @kernel
 def _scaled(value, scale):
+    """`value` over `scale`, clipped; a motion without a range (a scale of 0) shows as 0."""
+    if scale == 0.0:
+        return np.float32(0.0)
     return np.float32(min(1.0, max(-1.0, value / scale)))
 
 
@@ -158,7 +169,7 @@ TASK = Task(
     name="ball_on_bar",
     params=Params,
     options={"scatter": Scatter, "spin": Spin},
-    state=BallState,
+    state=State,
     scenes={"bell": {"scatter": True}, "rolling": {"scatter": {"normal": 0.003}, "spin": True}},
     default_scene="bell",
     levels={

@@ -16,11 +16,9 @@ from vr_envs.models.impact import collide, collide_rough
 from vr_envs.models.jit import kernel
 from vr_envs.models.noise import normal_pair
 from vr_envs.models.record import quantity
-from vr_envs.models.rest import carry, roll, rolling_law, support
+from vr_envs.models.rest import STILL, UNDECIDED, rest, settle
 
 MAX_EVENTS = 20_000  # impacts and releases in one base cycle; a ball that needs more ends the episode as a fault
-CHATTER_RATIO = 1e-3  # |j| W / ((1 - alpha) g_e^2) below which the rest of a chatter is summed in closed form
-STILL = 1e-12  # m/s, normal velocity below which a supported ball is at rest
 
 
 @dataclasses.dataclass(frozen=True)
@@ -93,14 +91,14 @@ class Spin:
 
 @dataclasses.dataclass(frozen=True)
 class State:
-    """The ball at the start of a base cycle, the bar's motion, and the episode's sums."""
+    """The ball at the start of a base cycle, and the bar's motion."""
 
     key: int = quantity(0, "", "episode key", kind="key")
     steps: int = quantity(0, "", "cycles since the start")
     impacts: int = quantity(0, "", "impacts since the start; the counter of the scatter")
     resting: bool = quantity(False, "", "the ball lies on the bar")
     lost: bool = quantity(False, "", "the ball has left the bar")
-    fault: bool = quantity(False, "", "a cycle needed more than MAX_EVENTS events")
+    fault: bool = quantity(False, "", "a cycle needed more than MAX_EVENTS events, or a search did not end")
     x: float = quantity(0.0, "m", "ball, along the bar, from the bar's mean position")
     z: float = quantity(0.0, "m", "ball, upwards, from the bar's mean position")
     u: float = quantity(0.0, "m/s", "velocity of x")
@@ -109,8 +107,6 @@ class State:
     d: float = quantity(0.0, "m", "place on the bar of a resting ball")
     rate: float = quantity(0.0, "m/s", "velocity along the bar of a resting ball")
     motion: float = quantity(0.0, "m, rad, m", "x, tilt, z: cosine and sine parts of the bar's motion", shape=(6,))
-    sum_x2: float = quantity(0.0, "m^2", "sum of x^2 over cycles")
-    max_x: float = quantity(0.0, "m", "largest |x| at the end of a cycle")
 
 
 @kernel
@@ -127,79 +123,8 @@ def demanded(action, params):
 
 
 @kernel
-def _place_resting(state, frame, spin):
-    """World position and velocity of a resting ball."""
-    bx, tilt, bz, cos, sin, _, _ = frame
-    turn = -tilt[1] * state.d
-    state.x, state.z = bx[0] + state.d * cos, bz[0] - state.d * sin
-    state.u = bx[1] + turn * sin + state.rate * cos
-    state.w = bz[1] + turn * cos - state.rate * sin
-    if spin is not None:
-        state.spin = state.rate + spin.radius * tilt[1]
-
-
-@kernel
-def _rest(state, piece, limits, s, end, params, spin):
-    """Carry or roll the resting ball until it leaves the surface, the bar's end, or `end`; returns (time, frame)."""
-    if spin is not None:
-        s, state.d, state.rate, left = roll(
-            piece,
-            limits,
-            s,
-            end,
-            params.gravity,
-            spin.inertia_ratio,
-            spin.radius,
-            params.half_length,
-            state.d,
-            state.rate,
-        )
-    elif params.tangential_loss > 0.0:
-        s = carry(piece, limits, s, end, params.gravity, state.d)
-        left = s < end
-    else:
-        s, state.d, state.rate, left = roll(
-            piece, limits, s, end, params.gravity, 0.0, 0.0, params.half_length, state.d, state.rate
-        )
-    frame = frame_at(piece, s)
-    _place_resting(state, frame, spin)
-    state.lost = abs(state.d) > params.half_length
-    state.resting = not left
-    return s, frame
-
-
-@kernel
-def _settle(state, frame, s, end, normal, tangent, d, params, spin):
-    """After an impact: if the remaining chatter can be summed, put the ball to rest.
-
-    Returns (time, BOUNCED or RELEASED), from where a flight begins if the ball has not come to rest.
-    """
-    forcing, stiffness = rolling_law(frame, params.gravity, 0.0, 0.0)
-    force, jerk = support(frame, params.gravity, d, tangent, forcing + stiffness * d)
-    contact = BOUNCED if normal > STILL else RELEASED
-    if force <= 0.0:
-        return s, contact
-    lost = 1.0 - params.restitution
-    wait = 0.0
-    if normal > STILL:
-        ratio = abs(jerk) * normal / force / force
-        if ratio >= CHATTER_RATIO * lost:
-            return s, contact
-        # accumulation time of the chatter, with the first correction for a changing effective gravity
-        wait = 2.0 * normal / (force * lost) * (1.0 - 2.0 / 3.0 * jerk * normal / (lost * force * force))
-        if s + wait >= end:
-            return s, contact
-    state.d, state.rate, state.resting = d + tangent * wait, tangent, True
-    if spin is None and params.tangential_loss > 0.0:
-        # (1 - c) at each of infinitely many impacts: the sum over flights of 2 W alpha^k / N is a geometric series
-        kept = params.restitution * (1.0 - params.tangential_loss)
-        state.d, state.rate = d + tangent * 2.0 * normal / (force * (1.0 - kept)), 0.0
-    return s + wait, contact
-
-
-@kernel
-def _impact(state, frame, s, end, params, scatter, spin, log):
-    """One impact at time s; returns what `_settle` does."""
+def _impact(state, frame, limits, s, end, params, scatter, spin, log):
+    """One impact at time s; returns (time, how a flight begins from here if the ball has not come to rest)."""
     height, normal, tangent, d = contact_at(frame, state.x, state.u, state.w)
     state.z = height
     if abs(d) > params.half_length:
@@ -228,7 +153,8 @@ def _impact(state, frame, s, end, params, scatter, spin, log):
     state.w += (normal - normal_0) * frame.cos - (tangent - tangent_0) * frame.sin
     if spin is not None:
         state.spin = surface_spin + spin.radius * frame.tilt[1]
-    return _settle(state, frame, s, end, normal, tangent, d, params, spin)
+    s = settle(state, frame, limits, s, end, normal, tangent, d, params, spin)
+    return s, BOUNCED if normal > STILL else RELEASED
 
 
 @kernel
@@ -240,11 +166,14 @@ def _interval(state, piece, s, end, params, scatter, spin, log):
     contact = AIRBORNE
     for _ in range(MAX_EVENTS):
         if state.resting:
-            s, frame = _rest(state, piece, limits, s, end, params, spin)
-            if state.resting or state.lost or s >= end:
+            s, frame = rest(state, piece, limits, s, end, params, spin)
+            if state.resting or state.lost or state.fault or s >= end:
                 return
             contact = RELEASED
         hit, ds = flight(piece, limits, tan, s, frame, end, state.x, state.z, state.u, state.w, params.gravity, contact)
+        if ds == UNDECIDED:
+            state.fault = True
+            return
         state.x += state.u * ds
         state.z += (state.w - 0.5 * params.gravity * ds) * ds
         state.w -= params.gravity * ds
@@ -252,7 +181,7 @@ def _interval(state, piece, s, end, params, scatter, spin, log):
             return
         s += ds
         frame = frame_at(piece, s)
-        s, contact = _impact(state, frame, s, end, params, scatter, spin, log)
+        s, contact = _impact(state, frame, limits, s, end, params, scatter, spin, log)
         if state.lost:
             return
     state.fault = True

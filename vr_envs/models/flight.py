@@ -6,7 +6,7 @@ import math
 
 from vr_envs.models.bar import cos_sin, increments
 from vr_envs.models.jit import kernel
-from vr_envs.models.rest import rolling_law, support
+from vr_envs.models.rest import UNDECIDED, flight_support
 from vr_envs.models.root import MAX_MARCH, TIME_RESOLUTION, certified_step
 
 AIRBORNE, BOUNCED, RELEASED = 0, 1, 2  # how a flight begins
@@ -66,7 +66,7 @@ def _gap_bounds(limits, tan, rx, u, remaining, gravity):
 
 @kernel
 def flight(piece, limits, tan, s, frame, end, x, z, u, w, gravity, contact):
-    """First contact of a flight from time s: (hit, duration).
+    """First contact of a flight from time s: (hit, duration), the duration UNDECIDED if the search does not end.
 
     `contact`: AIRBORNE, BOUNCED (leaving the surface with a velocity) or RELEASED (leaving it without).
     """
@@ -77,8 +77,7 @@ def flight(piece, limits, tan, s, frame, end, x, z, u, w, gravity, contact):
     ds = 0.0
     if contact == RELEASED:
         # gap = -N s^2/2 - N' s^3/6 with N <= 0: begin where it has grown above rounding
-        forcing, stiffness = rolling_law(frame, gravity, 0.0, 0.0)
-        force, slope = support(frame, gravity, d, tangent, forcing + stiffness * d)
+        force, slope = flight_support(frame, gravity, d, tangent)
         ds = min(1e-3 / piece.omega, math.sqrt(2e-14 / max(-force, 1e-12)))
         if slope < 0.0:
             ds = min(ds, (6e-14 / -slope) ** (1.0 / 3.0))
@@ -99,4 +98,4 @@ def flight(piece, limits, tan, s, frame, end, x, z, u, w, gravity, contact):
         # what the certified step left out of the cubic term is below the resolution of time
         if slope < 0.0 and jerk * step * step * step < -TIME_RESOLUTION * slope:
             return s + ds < end, min(ds, end - s)
-    return True, ds
+    return False, UNDECIDED

@@ -19,6 +19,10 @@ from vr_envs.models.jit import kernel
 from vr_envs.models.root import MAX_MARCH, TIME_RESOLUTION, free_step
 
 _STAGES = 5  # Gauss-Legendre collocation of order 10
+MAX_PICARD = 60
+STEADY = 1e-3  # share by which the supporting force may change during a chatter that is summed in closed form
+STILL = 1e-12  # m/s, normal velocity below which a supported ball is at rest
+UNDECIDED = -1.0  # s, in place of a time
 _PARTS = 32  # rolling steps per base cycle at least: 1e-15 relative for the third harmonic
 
 
@@ -51,7 +55,21 @@ def support(frame, gravity, d, rate, pull):
 
 
 @kernel
-def _support_curvature(limits, gravity, d, rate, pull, arm):
+def flight_support(frame, gravity, d, rate):
+    """`support` for a ball that touches the bar in free flight."""
+    forcing, stiffness = rolling_law(frame, gravity, 0.0, 0.0)
+    return support(frame, gravity, d, rate, forcing + stiffness * d)
+
+
+@kernel
+def pull_bound(limits, gravity, reach, radius):
+    """Bound on |d''| of a ball in flight or rolling, within `reach` of the bar's centre."""
+    x, t, z = limits
+    return gravity + x.d2 + z.d2 + reach * t.d1 * t.d1 + radius * t.d2
+
+
+@kernel
+def support_curvature(limits, gravity, d, rate, pull, arm):
     """Bound on the absolute second derivative of the normal force; `pull` bounds |d''|, `arm` is k R."""
     x, t, z = limits
     c2, c3, c4 = x.d2 + z.d2, x.d3 + z.d3, x.d4 + z.d4
@@ -63,8 +81,11 @@ def _support_curvature(limits, gravity, d, rate, pull, arm):
 
 @kernel
 def carry(piece, limits, s, end, gravity, d):
-    """Time at which a ball that sticks at `d` leaves, or `end` if it stays; certified first root of N."""
-    curvature = _support_curvature(limits, gravity, abs(d), 0.0, 0.0, 0.0)
+    """Time at which a ball that sticks at `d` leaves, or `end` if it stays: certified first root of N.
+
+    Returns UNDECIDED if the search does not end.
+    """
+    curvature = support_curvature(limits, gravity, abs(d), 0.0, 0.0, 0.0)
     for _ in range(MAX_MARCH):
         force, slope = support(frame_at(piece, s), gravity, d, 0.0, 0.0)
         if force <= 0.0:
@@ -75,7 +96,7 @@ def carry(piece, limits, s, end, gravity, d):
         s += step
         if step < TIME_RESOLUTION:
             return s
-    return s
+    return UNDECIDED
 
 
 @kernel
@@ -88,21 +109,29 @@ def rolling_law(frame, gravity, inertia_ratio, radius):
 
 @kernel
 def _roll_step(piece, s, h, gravity, inertia_ratio, radius, d, rate):
-    """One collocation step of the rolling law, which is linear in d and nearly a quadrature: Picard converges."""
+    """One collocation step of the rolling law, which is linear in d and nearly a quadrature: Picard converges.
+
+    A round gains a factor of stiffness h^2, which is below 1e-2 for tilts of a degree and below 1 for any allowed.
+    """
     forcing, stiffness = np.empty(_STAGES), np.empty(_STAGES)
     pulls = np.empty(_STAGES)
     for i in range(_STAGES):
         forcing[i], stiffness[i] = rolling_law(frame_at(piece, s + _C[i] * h), gravity, inertia_ratio, radius)
         pulls[i] = forcing[i] + stiffness[i] * d
-    for _ in range(4):  # each round gains stiffness h^2 < 1e-3
-        stage = np.empty(_STAGES)
+    stage = np.empty(_STAGES)
+    for _ in range(MAX_PICARD):
+        moved = 0.0
         for i in range(_STAGES):
             value = 0.0
             for j in range(_STAGES):
                 value += _A2[i, j] * pulls[j]
             stage[i] = d + _C[i] * h * rate + h * h * value
         for i in range(_STAGES):
-            pulls[i] = forcing[i] + stiffness[i] * stage[i]
+            pull = forcing[i] + stiffness[i] * stage[i]
+            moved = max(moved, abs(pull - pulls[i]) - 1e-16 * abs(pull))
+            pulls[i] = pull
+        if moved <= 0.0:
+            break
     new_d, new_rate = d + h * rate, rate
     for i in range(_STAGES):
         new_d += h * h * _B[i] * (1.0 - _C[i]) * pulls[i]
@@ -112,8 +141,10 @@ def _roll_step(piece, s, h, gravity, inertia_ratio, radius, d, rate):
 
 @kernel
 def roll(piece, limits, s, end, gravity, inertia_ratio, radius, half_length, d, rate):
-    """Roll until the ball leaves the bar's surface, passes its end, or `end`; returns (s, d, rate, left)."""
-    x, t, z = limits
+    """Roll until the ball leaves the bar's surface, passes its end, or `end`; returns (s, d, rate, left).
+
+    The time is UNDECIDED if the search does not end.
+    """
     longest = 2.0 * math.pi / piece.omega / _PARTS
     for _ in range(100 * MAX_MARCH):
         frame = frame_at(piece, s)
@@ -121,8 +152,8 @@ def roll(piece, limits, s, end, gravity, inertia_ratio, radius, half_length, d, 
         force, slope = support(frame, gravity, d, rate, forcing + stiffness * d)
         if force <= 0.0 or abs(d) > half_length or s >= end:
             return s, d, rate, force <= 0.0 and s < end
-        pull = gravity + x.d2 + z.d2 + half_length * t.d1 * t.d1 + radius * t.d2
-        curvature = _support_curvature(
+        pull = pull_bound(limits, gravity, half_length, radius)
+        curvature = support_curvature(
             limits, gravity, half_length, abs(rate) + longest * pull, pull, inertia_ratio * radius
         )
         step = free_step(force, slope, curvature)
@@ -132,4 +163,86 @@ def roll(piece, limits, s, end, gravity, inertia_ratio, radius, half_length, d, 
         s = end if step == end - s else s + step
         if done:
             return s, d, rate, True
-    return s, d, rate, True
+    return UNDECIDED, d, rate, True
+
+
+@kernel
+def _place(state, frame, spin):
+    """World position and velocity of a resting ball."""
+    bx, tilt, bz, cos, sin, _, _ = frame
+    turn = -tilt[1] * state.d
+    state.x, state.z = bx[0] + state.d * cos, bz[0] - state.d * sin
+    state.u = bx[1] + turn * sin + state.rate * cos
+    state.w = bz[1] + turn * cos - state.rate * sin
+    if spin is not None:
+        state.spin = state.rate + spin.radius * tilt[1]
+
+
+@kernel
+def rest(state, piece, limits, s, end, params, spin):
+    """Carry or roll the resting ball until it leaves the surface, the bar's end, or `end`; returns (time, frame)."""
+    if spin is not None:
+        s, state.d, state.rate, left = roll(
+            piece,
+            limits,
+            s,
+            end,
+            params.gravity,
+            spin.inertia_ratio,
+            spin.radius,
+            params.half_length,
+            state.d,
+            state.rate,
+        )
+    elif params.tangential_loss > 0.0:
+        s = carry(piece, limits, s, end, params.gravity, state.d)
+        left = s < end
+    else:
+        s, state.d, state.rate, left = roll(
+            piece, limits, s, end, params.gravity, 0.0, 0.0, params.half_length, state.d, state.rate
+        )
+    if s == UNDECIDED:
+        state.fault = True
+        s = end
+    frame = frame_at(piece, s)
+    _place(state, frame, spin)
+    state.lost = abs(state.d) > params.half_length
+    state.resting = not left
+    return s, frame
+
+
+@kernel
+def settle(state, frame, limits, s, end, normal, tangent, d, params, spin):
+    """After an impact: put the ball to rest if, in the time that the chatter will take, the force hardly changes.
+
+    The bound on the change is certified, so the bar cannot fall away during the chatter. Returns the time, which has
+    moved on if the ball has come to rest.
+    """
+    force, jerk = flight_support(frame, params.gravity, d, tangent)
+    if force <= 0.0:
+        return s
+    ratio, radius = 0.0, 0.0
+    if spin is not None:
+        ratio, radius = spin.inertia_ratio, spin.radius
+    wait = 0.0
+    if normal > STILL:
+        lost = 1.0 - params.restitution
+        wait = 2.0 * normal / (force * lost)
+        pull = pull_bound(limits, params.gravity, params.half_length, radius)
+        curvature = support_curvature(limits, params.gravity, abs(d), abs(tangent), pull, ratio * radius)
+        if not (abs(jerk) + 0.5 * curvature * wait) * wait < STEADY * force:  # nan without losses
+            return s
+        # accumulation time, with the first correction for a changing effective gravity
+        wait *= 1.0 - 2.0 / 3.0 * jerk * normal / (lost * force * force)
+        if s + wait >= end:
+            return s
+    state.resting = True
+    if spin is None and params.tangential_loss > 0.0:
+        # (1 - c) at each of infinitely many impacts: the sum over flights of 2 W alpha^k / N is a geometric series
+        kept = params.restitution * (1.0 - params.tangential_loss)
+        state.d, state.rate = d + tangent * 2.0 * normal / (force * (1.0 - kept)), 0.0
+    else:
+        forcing, stiffness = rolling_law(frame, params.gravity, ratio, radius)
+        pull = forcing + stiffness * d
+        state.d, state.rate = d + (tangent + 0.5 * pull * wait) * wait, tangent + pull * wait
+    return s + wait
