@@ -11,7 +11,11 @@ MOST_DECIMALS = 6
 
 
 def markdown(head: list[str], body: list[list[str]], left: Collection[int] = (0,)) -> str:
-    """A Markdown table with aligned columns: those numbered in `left` to the left, the others to the right."""
+    """A Markdown table with aligned columns: those numbered in `left` to the left, the others to the right.
+
+    A bar in a cell is escaped: unescaped it would begin another cell.
+    """
+    head, *body = [[cell.replace("|", r"\|") for cell in cells] for cells in (head, *body)]
     widths = [max(map(len, column)) for column in zip(head, *body, strict=True)]
 
     def line(cells: list[str]) -> str:
