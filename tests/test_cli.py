@@ -100,6 +100,11 @@ def test_tune_stores_and_tells(toy, capsys, tmp_path):
     assert "at least 30" in refused(capsys, "tune", toy, "--evaluations", "3")
 
 
+def test_tune_without_its_package_says_what_to_install(toy, capsys, monkeypatch):
+    monkeypatch.setitem(sys.modules, "cma", None)
+    assert "pip install '.[tune]' in a clone" in refused(capsys, "tune", toy, "--evaluations", "30")
+
+
 def test_bench_speed_prints_and_writes(toy, capsys, tmp_path):
     path = tmp_path / "speed.json"
     assert main(["bench", "speed", "--id", toy, "--rows", "1,8", "--repeats", "1", "--json", str(path)]) == 0
@@ -176,7 +181,9 @@ def test_render_between_the_steps_is_slow_motion(toy, film, capsys, tmp_path):
 def test_render_without_its_packages_says_what_to_install(capsys, monkeypatch, tmp_path):
     for module in ("pygame", "imageio", "imageio.v2"):
         monkeypatch.setitem(sys.modules, module, None)
-    assert 'pip install "vr_envs[render]"' in refused(capsys, "render", "BallOnBar", "--out", str(tmp_path / "a.gif"))
+    assert "pip install '.[render]' in a clone" in refused(
+        capsys, "render", "BallOnBar", "--out", str(tmp_path / "a.gif")
+    )
     assert list(tmp_path.iterdir()) == []
 
 

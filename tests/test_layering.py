@@ -21,7 +21,7 @@ ALLOWED = {
 LIBRARIES = {
     "models": {"math", "numpy", "numba"},
     "envs": {"numpy", "gymnasium"},
-    "controllers": {"numpy", "scipy"},
+    "controllers": {"numpy"},
 }
 STANDARD = set(sys.stdlib_module_names)
 

@@ -193,5 +193,5 @@ def test_refuses_what_it_cannot_draw():
 @pytest.mark.parametrize("module", ["pygame", "matplotlib"])
 def test_a_missing_package_says_what_to_install(module, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, module, None)
-    with pytest.raises(ImportError, match=rf'{module}.*pip install "vr_envs\[render\]"'):
+    with pytest.raises(ImportError, match=rf"{module}.*pip install '\.\[render\]' in a clone"):
         painter("ball_on_bar", resolve(task_of("BallOnBar-v0"), None), "rgb_array")

@@ -52,7 +52,7 @@ def run(arguments: argparse.Namespace) -> None:
             progress=True,
         )
     except ImportError as error:
-        raise UserError(f'tuning needs one more package: pip install "vr_envs[tune]" ({error})') from error
+        raise UserError(f"tuning needs cma: pip install '.[tune]' in a clone of the project ({error})") from error
     for policy, entry in found.items():
         gains = ", ".join(f"{name} {value:.4g}" for name, value in entry["gains"].items())
         print(f"{policy}: {entry['default_check_score']:.4f} -> {entry['check_score']:.4f} with {gains}")

@@ -15,4 +15,5 @@ def extra(module: str) -> Any:
     try:
         return import_module(module)
     except ImportError as error:
-        raise ImportError(f'pictures need {module.partition(".")[0]}: pip install "vr_envs[render]"') from error
+        package = module.partition(".")[0]
+        raise ImportError(f"pictures need {package}: pip install '.[render]' in a clone of the project") from error
