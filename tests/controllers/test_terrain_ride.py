@@ -42,6 +42,28 @@ def test_restitution_becomes_damping():
     assert w2 == pytest.approx(16812 / 290, rel=1e-6)
 
 
+@pytest.mark.parametrize("law", LAWS.values())
+def test_modulus_is_a_factor_on_the_springs_nominal_one(law):
+    scene = resolve(TASK, {"lag": None})
+    for modulus in (0.5, 0.8, 2.0):
+        env = TerrainRideBatchEnv(1, scene={"lag": None})
+        env.reset(seed=0)
+        env.step(law(scene, modulus=modulus)(observation(scene)))
+        w2 = suspension(env.world.states[0], env.world.params)[1]
+        assert w2 == pytest.approx(modulus * 16812 / 290, rel=1e-6)
+
+
+def test_every_restitution_in_the_range_is_a_damping_that_the_damper_has():
+    low, high, default = LecturePassive.TUNABLE["restitution"]
+    assert -60 * math.log(low) == pytest.approx(10.0, rel=1e-14)
+    assert -60 * math.log(high) == pytest.approx(0.3, rel=1e-12)
+    assert low < default < high
+    scene = resolve(TASK)
+    actions = [LecturePassive(scene, restitution=k)(observation(scene))[0, 0] for k in (low, default, high)]
+    assert actions == pytest.approx([1.0, (math.log(-60 * math.log(0.95)) - math.log(3) / 2) / math.log(10 / 0.3) * 2,
+                                     -1.0], abs=1e-6)  # fmt: skip
+
+
 def test_modulus_stays_nominal_where_its_range_is_lopsided():
     scene = resolve(TASK, {"lag": None, "modulus_low": 0.9, "modulus_high": 4.0})
     env = TerrainRideBatchEnv(1, scene={"lag": None, "modulus_low": 0.9, "modulus_high": 4.0})
@@ -65,12 +87,13 @@ def test_actions_are_bounded_over_the_whole_box_and_every_gain(law, scene):
         assert (np.abs(actions) <= 1).all()
 
 
-def test_active_baseline_is_the_same_damper():
-    """A force that imitates the damper scores as the damper does, but for its sensors."""
+@pytest.mark.parametrize("modulus", [0.6, 1.0, 1.4])
+def test_active_baseline_is_the_same_damper_and_spring(modulus):
+    """A force that imitates damper and spring scores as they do, but for its being held over the interval."""
     scene = {"lag": None, "noise": None, "force": 1e5}
-    passive = run(LecturePassive(resolve(TASK, scene)), scene=scene)
+    passive = run(LecturePassive(resolve(TASK, scene), modulus=modulus), scene=scene)
     active_scene = {**scene, "actuation": "active"}
-    active = run(LecturePassive(resolve(TASK, active_scene)), scene=active_scene)
+    active = run(LecturePassive(resolve(TASK, active_scene), modulus=modulus), scene=active_scene)
     assert np.mean(active) == pytest.approx(np.mean(passive), abs=0.03)
 
 
