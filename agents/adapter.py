@@ -27,9 +27,9 @@ class BatchVecEnv(VecEnv):
         Args:
             batch: its `autoreset_mode` is SAME_STEP.
             reward_scale: factor on the rewards that the learner sees; `episode` keeps the environment's own.
-            stagger: control intervals over which the rows' time limits are spread evenly in their first episodes,
-                so that a short rollout holds every part of an episode; 0 keeps the rows in step. The first episodes
-                are then cut short, and get no "episode" info.
+            stagger: control intervals over which the ends of the rows' first episodes are spread evenly, so that a
+                short rollout holds every part of an episode; 0 keeps the rows in step. A first episode that is cut
+                for this is reported as truncated and gets no "episode" info.
 
         Raises:
             ValueError: another autoreset mode.
@@ -42,7 +42,8 @@ class BatchVecEnv(VecEnv):
         self._start = time.perf_counter()
         self._returns = np.zeros(batch.num_envs)
         self._lengths = np.zeros(batch.num_envs, np.int64)
-        self._whole = np.ones(batch.num_envs, np.bool_)
+        self._never = np.zeros(batch.num_envs, np.int64)
+        self._cut = self._never  # length at which a row's first episode is cut; 0 is never
         super().__init__(batch.num_envs, batch.single_observation_space, batch.single_action_space)
 
     def reset(self) -> np.ndarray:
@@ -51,11 +52,7 @@ class BatchVecEnv(VecEnv):
         self._reset_seeds()
         self._returns[:] = 0.0
         self._lengths[:] = 0
-        self._whole[:] = self.stagger == 0
-        if self.stagger:
-            states = self.batch.get_state()
-            states["steps"] += np.arange(self.num_envs) * self.stagger // self.num_envs
-            self.batch.set_state(states)
+        self._cut = 1 + np.arange(self.num_envs) * self.stagger // self.num_envs if self.stagger else self._never
         return obs
 
     def step_async(self, actions: np.ndarray) -> None:
@@ -71,6 +68,15 @@ class BatchVecEnv(VecEnv):
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         if done.any():
             self._end(np.flatnonzero(done), truncated & ~terminated, batch_infos, infos)
+        cut = (self._lengths == self._cut) & ~done
+        if cut.any():
+            for i in np.flatnonzero(cut):
+                infos[i] = {"terminal_observation": obs[i].copy(), "TimeLimit.truncated": True}
+            obs[cut] = self.batch.reset(options={"reset_mask": cut})[0][cut]
+            self._returns[cut], self._lengths[cut] = 0.0, 0
+            done = done | cut
+        if self._cut is not self._never and done.any():
+            self._cut = np.where(done, 0, self._cut)
         return obs, (rewards * self.reward_scale).astype(np.float32), done, infos
 
     def _end(self, rows: np.ndarray, timed_out: np.ndarray, batch_infos: dict[str, Any], infos: list[Any]) -> None:
@@ -80,9 +86,7 @@ class BatchVecEnv(VecEnv):
             infos[i] = {name: values[i] for name, values in metrics.items()}
             infos[i]["terminal_observation"] = batch_infos["final_obs"][i]
             infos[i]["TimeLimit.truncated"] = bool(timed_out[i])
-            if self._whole[i]:
-                infos[i]["episode"] = {"r": round(float(self._returns[i]), 6), "l": int(self._lengths[i]), "t": elapsed}
-        self._whole[rows] = True
+            infos[i]["episode"] = {"r": round(float(self._returns[i]), 6), "l": int(self._lengths[i]), "t": elapsed}
         self._returns[rows] = 0.0
         self._lengths[rows] = 0
 

@@ -298,3 +298,17 @@ def test_a_batch_takes_one_state_or_one_each(id):
     assert [row.tobytes() for row in batch.get_state()] == [states[1].tobytes()] * 3
     with pytest.raises(ValueError, match="2 records; give one, or one for each of 3"):
         batch.reset(options={"state": states[:2]})
+
+
+@pytest.mark.parametrize("id", IDS)
+def test_a_refused_reset_changes_nothing(id):
+    env, batch = gym.make(id).unwrapped, gym.make_vec(id, 2)
+    for target in (env, batch):
+        target.reset(seed=1)
+        before = target.get_state().tobytes()
+        with pytest.raises(ValueError, match="not a record of"):
+            target.reset(seed=5, options={"state": np.zeros(1)})
+        assert target.get_state().tobytes() == before
+    twin = gym.make(id).unwrapped
+    twin.reset(seed=1)
+    same(env.reset()[0], twin.reset()[0])

@@ -47,12 +47,14 @@ class ScalarEnv(gym.Env[np.ndarray, np.ndarray]):
         """Start an episode; `options` may hold "scenario" (an episode key) or "state" (a saved record)."""
         check_options(options, ("scenario", "state"))
         keys = scenario_keys(options, 1)
+        if options and options.get("state") is not None:
+            self.set_state(options["state"])  # may refuse, before anything has changed
         super().reset(seed=seed)
         if self.spec is not None:
             # gym.make strikes the limit from the spec that the environment sees: its TimeLimit wrapper keeps it
-            self._limit = gym.registry[self.spec.id].max_episode_steps or NO_LIMIT
+            registered = gym.registry.get(self.spec.id, self.spec)
+            self._limit = registered.max_episode_steps or NO_LIMIT
         if options and options.get("state") is not None:
-            self.set_state(options["state"])
             obs = self.world.observe()
         else:
             keys = np.array([episode_key(self.np_random)]) if keys is None else keys
@@ -199,21 +201,25 @@ class BatchEnv(gym.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         check_options(options, ("scenario", "state", "reset_mask"))
         keys = scenario_keys(options, self.num_envs)
         rows = np.flatnonzero(self._mask((options or {}).get("reset_mask")))
-        if seed is not None:
-            seeds = list(seed) if isinstance(seed, list | tuple) else [seed + i for i in range(self.num_envs)]
-            if len(seeds) != self.num_envs:
-                raise ValueError(f"{len(seeds)} seeds for {self.num_envs} envs; give one each")
-            for i in rows:
-                if seeds[i] is not None:
-                    self._generators[i], self._seeds[i] = seeding.np_random(seeds[i])
-        if options and options.get("state") is not None:
-            given = np.atleast_1d(np.asarray(options["state"]))
+        state = (options or {}).get("state")
+        seeds = (
+            seed
+            if isinstance(seed, list | tuple)
+            else [None if seed is None else seed + i for i in range(self.num_envs)]
+        )
+        if len(seeds) != self.num_envs:
+            raise ValueError(f"{len(seeds)} seeds for {self.num_envs} envs; give one each")
+        if state is not None:  # may refuse, before anything has changed
+            given = np.atleast_1d(np.asarray(state))
             if len(given) not in (1, self.num_envs):
                 raise ValueError(
                     f"options['state'] has {len(given)} records; give one, or one for each of {self.num_envs} envs"
                 )
             self.world.load(np.broadcast_to(given, self.num_envs)[rows], rows)
-        else:
+        for i in rows:
+            if seeds[i] is not None:
+                self._generators[i], self._seeds[i] = seeding.np_random(seeds[i])
+        if state is None:
             unseen = np.empty((self.num_envs, self.world.widths[0]), np.float32)
             self.world.reset(rows, self._keys(rows) if keys is None else keys[rows], unseen)
         self._done[rows] = False

@@ -2,7 +2,8 @@
 
 Numba's own disk cache notices an edit of the file a function stands in, but not an edit of a function
 that it calls from another file, and it cannot recognise a closure again in the next process. Here
-the cache is valid for one text of all kernel sources in the package, so a stale kernel is never loaded.
+the cache is valid for one text of all kernel sources in the package and of the kernel's own file, so a stale kernel
+is never loaded.
 """
 
 from __future__ import annotations
@@ -42,7 +43,11 @@ class _CacheFile(IndexDataCacheFile):
 class _KernelCache(FunctionCache):
     def __init__(self, function: Any) -> None:
         super().__init__(function)
-        self._cache_file = _CacheFile(self._cache_path, self._impl.filename_base, source_stamp())
+        own = Path(function.__code__.co_filename)
+        stamp = source_stamp(), own.read_bytes() if own.exists() else b""  # a kernel may stand outside the package
+        self._cache_file = _CacheFile(
+            self._cache_path, self._impl.filename_base, hashlib.sha256(repr(stamp).encode()).hexdigest()
+        )
 
     def _index_key(self, sig: Any, codegen: Any) -> tuple[Any, ...]:
         cells = self._py_func.__closure__ or ()

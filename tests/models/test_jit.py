@@ -1,0 +1,33 @@
+"""The kernel cache: it survives a process, and an edit makes it compile anew."""
+
+import subprocess
+import sys
+
+PROGRAM = """
+import sys
+sys.path.insert(0, {folder!r})
+import mine
+print(mine.twice(1.0), sum(mine.twice.stats.cache_hits.values()))
+"""
+KERNEL = """
+from vr_envs.models.jit import kernel
+
+
+@kernel
+def twice(x):
+    return {factor} * x
+"""
+
+
+def run(folder, factor):
+    (folder / "mine.py").write_text(KERNEL.format(factor=factor))
+    program = PROGRAM.format(folder=str(folder))
+    out = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    value, hits = out.stdout.split()
+    return float(value), int(hits)
+
+
+def test_a_kernel_outside_the_package_is_cached_until_it_is_edited(tmp_path):
+    assert run(tmp_path, 2) == (2.0, 0)
+    assert run(tmp_path, 2) == (2.0, 1)
+    assert run(tmp_path, 3) == (3.0, 0)
