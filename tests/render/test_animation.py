@@ -97,7 +97,7 @@ def test_the_file_is_as_readable_as_any_new_one(tmp_path):
 
 @pytest.mark.parametrize(("name", "module"), [("a.gif", "PIL"), ("a.mp4", "imageio"), ("a.png", "imageio")])
 def test_a_missing_package_says_what_to_install(name, module, monkeypatch, tmp_path):
-    for known in [m for m in sys.modules if m == module or m.startswith(f"{module}.")]:
+    for known in [module, *(m for m in sys.modules if m.startswith(f"{module}."))]:
         monkeypatch.setitem(sys.modules, known, None)
     with pytest.raises(ImportError, match=r"pip install '\.\[render\]' in a clone"):
         write_animation(tmp_path / name, [picture(0)], 10.0)
