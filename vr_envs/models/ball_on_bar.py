@@ -94,8 +94,8 @@ class State:
     """The ball at the start of a base cycle, and the bar's motion."""
 
     key: int = quantity(0, "", "episode key", kind="key")
-    steps: int = quantity(0, "", "cycles since the start")
-    impacts: int = quantity(0, "", "impacts since the start; the counter of the scatter")
+    steps: int = quantity(0, "", "cycles since the start", low=0)
+    impacts: int = quantity(0, "", "impacts since the start; the counter of the scatter", low=0)
     resting: bool = quantity(False, "", "the ball lies on the bar")
     lost: bool = quantity(False, "", "the ball has left the bar")
     fault: bool = quantity(False, "", "a cycle needed more than MAX_EVENTS events, or a search did not end")
@@ -123,7 +123,7 @@ def demanded(action, params):
 
 
 @kernel
-def _impact(state, frame, limits, s, end, params, scatter, spin, log):
+def _impact(state, piece, frame, limits, s, end, params, scatter, spin, log):
     """One impact at time s; returns (time, how a flight begins from here if the ball has not come to rest)."""
     height, normal, tangent, d = contact_at(frame, state.x, state.u, state.w)
     state.z = height
@@ -153,7 +153,7 @@ def _impact(state, frame, limits, s, end, params, scatter, spin, log):
     state.w += (normal - normal_0) * frame.cos - (tangent - tangent_0) * frame.sin
     if spin is not None:
         state.spin = surface_spin + spin.radius * frame.tilt[1]
-    s = settle(state, frame, limits, s, end, normal, tangent, d, params, spin)
+    s = settle(state, piece, frame, limits, s, end, normal, tangent, d, params, spin)
     return s, BOUNCED if normal > STILL else RELEASED
 
 
@@ -181,7 +181,7 @@ def _interval(state, piece, s, end, params, scatter, spin, log):
             return
         s += ds
         frame = frame_at(piece, s)
-        s, contact = _impact(state, frame, limits, s, end, params, scatter, spin, log)
+        s, contact = _impact(state, piece, frame, limits, s, end, params, scatter, spin, log)
         if state.lost:
             return
     state.fault = True

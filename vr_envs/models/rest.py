@@ -212,7 +212,7 @@ def rest(state, piece, limits, s, end, params, spin):
 
 
 @kernel
-def settle(state, frame, limits, s, end, normal, tangent, d, params, spin):
+def settle(state, piece, frame, limits, s, end, normal, tangent, d, params, spin):
     """After an impact: put the ball to rest if, in the time that the chatter will take, the force hardly changes.
 
     The bound on the change is certified, so the bar cannot fall away during the chatter. Returns the time, which has
@@ -237,12 +237,16 @@ def settle(state, frame, limits, s, end, normal, tangent, d, params, spin):
         if s + wait >= end:
             return s
     state.resting = True
+    # between impacts the ball is pulled along the bar as a free, or in the mean a rolling, one
+    halfway = frame_at(piece, s + 0.5 * wait)
+    forcing, stiffness = rolling_law(halfway, params.gravity, ratio, radius)
+    pull = forcing + stiffness * d
     if spin is None and params.tangential_loss > 0.0:
-        # (1 - c) at each of infinitely many impacts: the sum over flights of 2 W alpha^k / N is a geometric series
-        kept = params.restitution * (1.0 - params.tangential_loss)
-        state.d, state.rate = d + tangent * 2.0 * normal / (force * (1.0 - kept)), 0.0
+        # flights of 2 W alpha^k / N, and (1 - c) of the velocity kept at each of infinitely many impacts
+        first, alpha = 2.0 * normal / force, params.restitution
+        kept = alpha * (1.0 - params.tangential_loss)
+        drift = tangent / (1.0 - kept) + pull * first / (1.0 - alpha * alpha) * (0.5 + kept / (1.0 - kept))
+        state.d, state.rate = d + drift * first, 0.0
     else:
-        forcing, stiffness = rolling_law(frame, params.gravity, ratio, radius)
-        pull = forcing + stiffness * d
         state.d, state.rate = d + (tangent + 0.5 * pull * wait) * wait, tangent + pull * wait
     return s + wait
