@@ -108,8 +108,17 @@ def test_tune_without_its_package_says_what_to_install(toy, capsys, monkeypatch)
 def test_bench_speed_prints_and_writes(toy, capsys, tmp_path):
     path = tmp_path / "speed.json"
     assert main(["bench", "speed", "--id", toy, "--rows", "1,8", "--repeats", "1", "--json", str(path)]) == 0
-    assert "process_time" in capsys.readouterr().out
-    assert [s["rows"] for s in json.loads(path.read_text())["speeds"]] == [1, 8]
+    out = capsys.readouterr().out.splitlines()
+    stored = json.loads(path.read_text())
+    assert "process_time" in out[0] and f"numba {stored['versions']['numba']}" in out[0]
+    assert [cell.strip() for cell in out[2].split("|")[1:-1]][1:3] == ["actions", "rows"]
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in out[4:]]
+    assert [(row[1], row[2], row[-1]) for row in rows] == [
+        (actions, count, "-") for actions in ("full range", "small") for count in ("1", "8")
+    ]
+    assert [(s["actions"], s["rows"], s["impacts_per_step"]) for s in stored["speeds"]] == [
+        (actions, count, None) for actions in ("full range", "small") for count in (1, 8)
+    ]
     assert "no environment 'Toy'" in refused(capsys, "bench", "speed", "--id", "Toy")
     assert "at least 1" in refused(capsys, "bench", "speed", "--rows", "1,0")
 

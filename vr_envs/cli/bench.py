@@ -44,9 +44,22 @@ def run(arguments: argparse.Namespace) -> None:
         for env_id in chosen:
             task_of(env_id)
     speeds = compare(chosen, arguments.rows, arguments.repeats, progress=True)
-    body = [[s.env_id, str(s.rows), *(f"{rate:,.0f}" for rate in (s.minimum, s.median, s.maximum))] for s in speeds]
-    print(f"Environment steps per CPU second (time.process_time), one core, {arguments.repeats} repeats\n")
-    print(markdown(["id", "rows", "minimum", "median", "maximum"], body))
+    used = versions()
+    body = [
+        [
+            s.env_id,
+            s.actions,
+            str(s.rows),
+            *(f"{rate:,.0f}" for rate in (s.minimum, s.median, s.maximum)),
+            "-" if s.impacts_per_step is None else f"{s.impacts_per_step:.2f}",
+        ]
+        for s in speeds
+    ]
+    print(
+        f"Environment steps per CPU second (time.process_time), one core, {arguments.repeats} repeats; "
+        f"{', '.join(f'{name} {used[name]}' for name in ('python', 'numpy', 'numba'))}\n"
+    )
+    print(markdown(["id", "actions", "rows", "minimum", "median", "maximum", "impacts/step"], body, left=(0, 1)))
     if arguments.json:
         with user_input():
-            write_json(arguments.json, {"speeds": [dataclasses.asdict(s) for s in speeds], "versions": versions()})
+            write_json(arguments.json, {"speeds": [dataclasses.asdict(s) for s in speeds], "versions": used})

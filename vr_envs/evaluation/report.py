@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import gymnasium
+import numba
 import numpy as np
 from tqdm import tqdm
 
@@ -125,6 +126,7 @@ def versions() -> dict[str, str]:
         "vr_envs": vr_envs.__version__,
         "python": platform.python_version(),
         "numpy": np.__version__,
+        "numba": numba.__version__,
         "gymnasium": gymnasium.__version__,
     }
 
