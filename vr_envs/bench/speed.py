@@ -17,11 +17,12 @@ import numpy as np
 from tqdm import tqdm
 
 from vr_envs.envs.base import BatchEnv
-from vr_envs.envs.registry import spec_of
+from vr_envs.envs.registry import limit_of, spec_of
 
 ACTION_SETS = 64
 ACTIONS = {"full range": 1.0, "small": 0.1}  # name -> largest absolute value
 COUNTED = 20_000  # environment steps over which impacts are counted, at least
+COUNTED_EPISODES = 2  # time limits over which they are counted, at least: a start is calmer than what follows
 IMPACTS = "impacts_per_cycle"  # the metric of tasks whose steps have impacts
 
 
@@ -100,7 +101,7 @@ def measure(
     env = gym.make_vec(spec_of(env_id).id, num_envs=rows, vectorization_mode="vector_entry_point").unwrapped
     assert isinstance(env, BatchEnv)
     draws = draw(actions, rows, env.world.widths[1], seed)
-    impacts = impacts_per_step(env, draws, max(ACTION_SETS, COUNTED // rows), seed)
+    impacts = impacts_per_step(env, draws, max(COUNTED_EPISODES * limit_of(env_id), COUNTED // rows), seed)
     env.reset(seed=seed)
     _seconds(env, draws, 1)
     count = 1
