@@ -170,6 +170,29 @@ def test_flat_ground_and_payload_settle_at_the_static_sag():
     assert state["velocity"] == pytest.approx(0.0, abs=1e-13)
 
 
+@pytest.mark.parametrize("time_constant", [1e-4, 0.004, 0.015, 0.3])
+def test_actuator_lag_delays_a_step_by_its_time_constant(time_constant):
+    """The integral of (command - position held) after a step is T times the step, and each hold is the exact mean."""
+    state, params, lag = fresh(), pack(Params()), pack(ActuatorLag(time_constant=time_constant))
+    state["position"] = start = np.array([-0.4, 0.9])
+    command, missing, before = np.array([1.0, -0.5]), np.zeros(2), start
+    for step in range(1200):
+        advance(state, command, params, None, None, None, None, lag)
+        missing += (command - state["held"]) * CONTROL_INTERVAL
+        if step < 5:
+            s = (np.arange(20000) + 0.5) / 20000 * CONTROL_INTERVAL
+            mean = np.exp(-s / time_constant).mean()
+            assert state["held"] == pytest.approx(command + (before - command) * mean, rel=1e-4, abs=1e-12)
+        before = state["position"].copy()
+    assert missing == pytest.approx(time_constant * (command - start), rel=1e-12)
+
+
+def test_without_lag_the_command_is_held():
+    state = fresh()
+    advance(state, np.array([0.3, -0.7]), pack(Params()), None, None, None, None, None)
+    assert state["held"].tolist() == state["position"].tolist() == [0.3, -0.7]
+
+
 def test_actuator_lag_is_exact_at_the_control_instants():
     state, params, lag = fresh(), pack(Params()), pack(ActuatorLag(time_constant=0.015))
     for step in range(1, 20):
@@ -182,7 +205,7 @@ def test_action_maps_to_the_declared_limits():
     settings = Params()
     params, state = pack(settings), fresh()
     for position, damping, modulus in ((-1, 0.3, 0.5), (0, math.sqrt(3.0), 1.0), (1, 10.0, 2.0)):
-        state["position"] = position
+        state["held"] = position
         gamma, w2, push = suspension(state, params)
         assert (gamma, w2, push) == pytest.approx((damping, modulus * 16812 / 290, 0.0), rel=1e-14)
 

@@ -33,7 +33,7 @@ class State(DemandState):
     earlier_action: float = quantity(0.0, "", "the action before", shape=(3,))
     error_sum: float = quantity(0.0, "m, m/s, rad", "sum of |error| over the steps", shape=(3,))
     movement_sum: float = quantity(0.0, "", "sum of the mean command change")
-    in_band: int = quantity(0, "", "steps with all three errors within the band")
+    in_band: int = quantity(0, "", "steps with all three errors within the band", low=0)
     lost: bool = quantity(False, "", "the aircraft has left the envelope")
 
 
@@ -126,20 +126,22 @@ def validate(scene: Scene) -> None:
     """The ranges must be ordered and the operating range must lie inside the envelope."""
     p, demands = scene.params, scene.options["demands"]
     orders = [
-        ("altitude_low", p.altitude_low, "altitude_high", p.altitude_high),
-        ("altitude_high", p.altitude_high, "ceiling", p.ceiling),
-        ("stall_speed", p.stall_speed, "speed_low", p.speed_low),
-        ("speed_low", p.speed_low, "speed_high", p.speed_high),
-        ("speed_high", p.speed_high, "top_speed", p.top_speed),
+        ("altitude_low", p.altitude_low, "altitude_high", p.altitude_high, False),
+        ("altitude_high", p.altitude_high, "ceiling", p.ceiling, False),
+        ("stall_speed", p.stall_speed, "top_speed", p.top_speed, True),
+        ("stall_speed", p.stall_speed, "speed_low", p.speed_low, False),
+        ("speed_low", p.speed_low, "speed_high", p.speed_high, False),
+        ("speed_high", p.speed_high, "top_speed", p.top_speed, False),
     ]
     if demands is not None:
         orders += [
-            ("demands.hold_low", demands.hold_low, "demands.hold_high", demands.hold_high),
-            ("demands.share_low", demands.share_low, "demands.share_high", demands.share_high),
+            ("demands.hold_low", demands.hold_low, "demands.hold_high", demands.hold_high, False),
+            ("demands.share_low", demands.share_low, "demands.share_high", demands.share_high, False),
         ]
-    for low_name, low, high_name, high in orders:
-        if low > high:
-            raise ValueError(f"{low_name} = {low:g} is not allowed; it must not exceed {high_name} = {high:g}")
+    for low_name, low, high_name, high, strict in orders:
+        if low > high or (strict and low == high):
+            rule = "be below" if strict else "not exceed"
+            raise ValueError(f"{low_name} = {low:g} is not allowed; it must {rule} {high_name} = {high:g}")
 
 
 def _control_interval(scene: Scene) -> float:

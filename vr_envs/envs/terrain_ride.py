@@ -31,7 +31,7 @@ class State(model.State):
     weighted_squares: float = quantity(0.0, "m^2/s^4", "its squares, summed over the steps")
     travel_squares: float = quantity(0.0, "m^2", "squares of the travel, summed over the steps")
     travel_peak: float = quantity(0.0, "m", "largest |u| at a control instant")
-    hits: int = quantity(0, "", "touches of a stop so far")
+    hits: int = quantity(0, "", "touches of a stop so far", low=0)
 
 
 @kernel
@@ -63,31 +63,32 @@ def outcome(state, action, params, undulation, road, bumps, stop, payload, lag, 
     state.hits += state.touches
     discomfort, stroke = state.weighted / params.comfort, state.travel / params.rattle
     reward = 1.0 / (1.0 + discomfort * discomfort + stroke * stroke)
-    crushed = False
+    ended = False
     if stop is not None:
-        if state.side != 0.0 or state.touches > 0:
+        if state.side != 0.0 or state.touches > 0 or state.fault:
             reward = 0.0
-        crushed = abs(state.travel) > stop.travel + stop.crush
-    return reward, crushed
+        ended = abs(state.travel) > stop.travel + stop.crush or state.fault != 0
+    return reward, ended
 
 
 def metrics(states: np.ndarray, scene: Scene) -> dict[str, np.ndarray]:
     """Domain metrics of episodes, one value per record.
 
     acceleration_rms_m_s2: weighted with Wk; travel_rms_mm, travel_peak_mm: of the spring, at the control instants;
-    stop_hits: times that a stop was touched; is_success: no stop hit, and acceleration and travel
-    both below the values that halve the reward.
+    stop_hits: times that a stop was touched; fault: a search for a contact did not end; is_success: neither of
+    these, and acceleration and travel both below the values that halve the reward.
     """
     steps = np.maximum(states["steps"], 1)
     acceleration = np.sqrt(states["weighted_squares"] / steps)
     travel = np.sqrt(states["travel_squares"] / steps)
     calm = (acceleration < scene.params.comfort) & (travel < scene.params.rattle)
     return {
-        "is_success": calm & (states["hits"] == 0),
+        "is_success": calm & (states["hits"] == 0) & (states["fault"] == 0),
         "acceleration_rms_m_s2": acceleration,
         "travel_rms_mm": 1e3 * travel,
         "travel_peak_mm": 1e3 * states["travel_peak"],
         "stop_hits": states["hits"].copy(),
+        "fault": states["fault"] != 0,
     }
 
 
@@ -208,7 +209,7 @@ class TerrainRideEnv(ScalarEnv):
     | 2 | vertical velocity of the mass | m/s | 0.5 m/s | 0.02 m/s |
     | 3 | vertical acceleration of the mass, mean over the last interval | m/s^2 | 2 m/s^2 | 0.1 m/s^2 |
     | 4 | the acceleration through the frequency weighting Wk of ISO 2631-1 | m/s^2 | 2 m/s^2 | none |
-    | 5, 6 | positions of the actuators, damping and modulus (5: of the force) | 1 | as the action | none |
+    | 5, 6 | present positions of the actuators, damping and modulus (5: of the force) | 1 | as the action | none |
     | 7-16 | height of the road 0.03, 0.06 ... 0.3 s ahead over the road under the wheel | m | 0.05 m | none |
 
     `vr_envs.envs.terrain_ride_observation.read` turns a batch back into SI units.
@@ -223,11 +224,12 @@ class TerrainRideEnv(ScalarEnv):
     which spans the class; the road; one bump or dip of 30 to 80 mm in every 40 m.
 
     ## Episode End
-    Terminated when a stop's rubber is compressed by more than 15 mm; never without a stop. Truncated after 1000
-    steps by the registered time limit.
+    Terminated when, at a control instant, a stop's rubber is compressed by more than 15 mm (a compression that comes
+    and goes within one interval does not count), or when a search for its contacts does not end (`fault`); never
+    without a stop. Truncated after 1000 steps by the registered time limit.
 
     At the end `info` holds `is_success` (no stop hit, rms acceleration below 1 m/s^2 and rms travel below 30 mm),
-    `acceleration_rms_m_s2` (weighted), `travel_rms_mm`, `travel_peak_mm` and `stop_hits`.
+    `acceleration_rms_m_s2` (weighted), `travel_rms_mm`, `travel_peak_mm`, `stop_hits` and `fault`.
 
     ## Arguments
     - `scene`: "road" (default), "lecture" (the lecture's model and nothing else: three sines for terrain, damping of

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import dataclasses
 import sys
 import threading
 from collections.abc import Mapping
@@ -95,9 +96,14 @@ class World:
             raise ValueError(f"state is not a record of {self.task.name}; give what get_state() returned, in any scene")
         if given.shape != (len(rows),):
             raise ValueError(f"state has shape {given.shape}; give {len(rows)} records")
-        for name in given.dtype.names or ():
-            if given[name].dtype.kind == "f" and not np.isfinite(given[name]).all():
-                raise ValueError(f"state field {name!r} is not finite; give what get_state() returned")
+        for field in dataclasses.fields(self.task.state):
+            values, low, high = given[field.name], field.metadata["low"], field.metadata["high"]
+            if values.dtype.kind == "f" and not np.isfinite(values).all():
+                raise ValueError(f"state field {field.name!r} is not finite; give what get_state() returned")
+            if (values < low).any() or (values > high).any():
+                raise ValueError(
+                    f"state field {field.name!r} is not in [{low:g}, {high:g}]; give what get_state() returned"
+                )
         self.states[rows] = given
 
     def observe(self) -> np.ndarray:

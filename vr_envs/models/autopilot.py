@@ -42,7 +42,7 @@ class Params:
     speed_high: float = quantity(250.0, "m/s", "highest airspeed in operation", low=10.0, high=600.0)
     stall_speed: float = quantity(60.0, "m/s", "airspeed below which the aircraft stalls", low=1.0, high=600.0)
     top_speed: float = quantity(300.0, "m/s", "airspeed above which it breaks up", low=1.0, high=600.0)
-    ceiling: float = quantity(13000.0, "m", "altitude above which it cannot fly", low=0.0, high=2e4)
+    ceiling: float = quantity(13000.0, "m", "altitude above which it cannot fly", low=1.0, high=2e4)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -105,7 +105,7 @@ class State:
     """Where the aircraft is, how it moves and the gusts it meets."""
 
     key: int = quantity(0, "", "key of the episode's random numbers", kind="key")
-    steps: int = quantity(0, "", "control intervals since the start")
+    steps: int = quantity(0, "", "control intervals since the start", low=0)
     x: float = quantity(0.0, "m", "ground track, x")
     z: float = quantity(0.0, "m", "ground track, z")
     altitude: float = quantity(0.0, "m", "altitude above the ground")

@@ -25,8 +25,9 @@ from vr_envs.models.record import quantity
 from vr_envs.models.spring import free_motion
 from vr_envs.models.terrain import RING, WAVES, pass_knot, roll_undulation, slope_of_road, wave
 from vr_envs.models.travel_stop import move_with_stop
+from vr_envs.models.weighting import INTERVAL
 
-CONTROL_INTERVAL = 0.01  # s
+CONTROL_INTERVAL = INTERVAL  # s; the weighting filter is made for it
 
 
 @dataclasses.dataclass(frozen=True)
@@ -45,7 +46,7 @@ class Params:
         "semi_active", "", "damping and modulus, or a force between mass and wheel", choices=("semi_active", "active")
     )
     passive_damping: float = quantity(1.0, "1/s", "c/m beside the force", low=1e-3, high=1e3)
-    force: float = quantity(1450.0, "N", "largest force", low=0.0, high=1e6)
+    force: float = quantity(1450.0, "N", "largest force", low=1.0, high=1e6)
     comfort: float = quantity(1.0, "m/s^2", "weighted acceleration that halves the reward", low=1e-3, high=1e3)
     rattle: float = quantity(0.03, "m", "travel that halves the reward", low=1e-4, high=10.0)
 
@@ -96,16 +97,28 @@ class Params:
 
 @dataclasses.dataclass(frozen=True)
 class ActuatorLag:
-    """First-order lag of the actuators' positions, taken at the control instants and held between them."""
+    """First-order lag of the actuators' positions: exact at the control instants, by its mean between them.
+
+    From position p0 towards a command held for the interval dt, the lag of time constant T goes to
+    p1 = command + (p0 - command) e^(-dt/T), and its mean on the way is command + (p0 - command) (T/dt)(1 - e^(-dt/T)).
+    The ride takes that mean for the whole interval, so that its motion stays exact; the positions are those of the
+    logarithms of damping and modulus. A step arrives late by T on the whole: the integral of what is still missing
+    is T times the step.
+    """
 
     time_constant: float = quantity(0.015, "s", "time constant", low=1e-4, high=10.0)
 
-    DERIVED = ("share",)
+    DERIVED = ("share", "missing")
 
     @property
     def share(self) -> float:
-        """Part of the way to the command that is made at one control instant."""
+        """Part of the way to the command that is made over an interval."""
         return -math.expm1(-CONTROL_INTERVAL / self.time_constant)
+
+    @property
+    def missing(self) -> float:
+        """Part of the way that is missing in the mean over an interval."""
+        return self.share * self.time_constant / CONTROL_INTERVAL
 
 
 @dataclasses.dataclass(frozen=True)
@@ -120,17 +133,19 @@ class State:
     """The ride and the terrain that it has drawn."""
 
     key: int = quantity(0, "", "episode key", kind="key")
-    steps: int = quantity(0, "", "control intervals done")
+    steps: int = quantity(0, "", "control intervals done", low=0)
     travel: float = quantity(0.0, "m", "u = zeta - r")
     velocity: float = quantity(0.0, "m/s", "zeta', of the mass, up")
     travel_rate: float = quantity(0.0, "m/s", "mean of u' over the last interval")
     acceleration: float = quantity(0.0, "m/s^2", "mean of zeta'' over the last interval")
     payload: float = quantity(0.0, "m/s^2", "constant acceleration that an unknown load gives")
-    side: float = quantity(0.0, "", "+1 or -1 in contact with the stop at that end, else 0")
-    touches: int = quantity(0, "", "touches of a stop in the last interval")
-    position: float = quantity(0.0, "", "of the actuators, in [-1, 1]", shape=(2,))
-    knot: int = quantity(0, "", "road knot behind the wheel")
-    to_knot: float = quantity(0.0, "m", "distance to the next knot")
+    side: float = quantity(0.0, "", "+1 or -1 in contact with the stop at that end, else 0", low=-1.0, high=1.0)
+    touches: int = quantity(0, "", "touches of a stop in the last interval", low=0)
+    fault: bool = quantity(False, "", "a search for a contact, or the contacts in one piece of road, did not end")
+    position: float = quantity(0.0, "", "of the actuators, at the control instant", shape=(2,), low=-1.0, high=1.0)
+    held: float = quantity(0.0, "", "mean position over the last interval, acts", shape=(2,), low=-1.0, high=1.0)
+    knot: int = quantity(0, "", "road knot behind the wheel", low=0)
+    to_knot: float = quantity(0.0, "m", "distance to the next knot", low=0.0, high=10.0)
     roughness: float = quantity(0.0, "m", "road height at the last knot drawn, without bumps")
     roughness_sd: float = quantity(0.0, "m", "its standard deviation in this episode")
     wave_cos: float = quantity(0.0, "", "cosines of the undulation's phases", shape=(WAVES,))
@@ -140,21 +155,23 @@ class State:
 
 @kernel
 def actuate(state, action, params, lag):
-    """Move the actuators' positions towards the command; they are then held until the next control instant."""
+    """Move the actuators' positions towards the command, over one control interval, and hold their mean."""
     for i in range(action.shape[0]):
-        share = 1.0
+        share, missing = 1.0, 0.0
         if lag is not None:
-            share = lag.share
-        state.position[i] += share * (action[i] - state.position[i])
+            share, missing = lag.share, lag.missing
+        gap = action[i] - state.position[i]
+        state.held[i] = action[i] - missing * gap
+        state.position[i] += share * gap
 
 
 @kernel
 def suspension(state, params):
-    """Damping gamma [1/s], w2 [1/s^2] and push [m/s^2] that the actuators' positions and the payload give."""
+    """Damping gamma [1/s], w2 [1/s^2] and push [m/s^2] that the positions held and the payload give."""
     if params.active > 0.0:
-        return params.passive_damping, params.w2, state.payload + params.push * state.position[0]
-    gamma = math.exp(params.damping_centre + params.damping_half * state.position[0])
-    modulus = math.exp(params.modulus_centre + params.modulus_half * state.position[1])
+        return params.passive_damping, params.w2, state.payload + params.push * state.held[0]
+    gamma = math.exp(params.damping_centre + params.damping_half * state.held[0])
+    modulus = math.exp(params.modulus_centre + params.modulus_half * state.held[1])
     return gamma, params.w2 * modulus, state.payload
 
 
@@ -187,10 +204,12 @@ def straight(state, u, v, slope, gamma, w2, push, t, params, stop):
     if stop is None:
         x, rate = free_motion(u - push / w2, v - slope, gamma, w2, t)
         return x + push / w2, rate + slope
-    u, rate, state.side, touches = move_with_stop(
+    u, rate, state.side, touches, fault = move_with_stop(
         u, v - slope, state.side, gamma, w2, push, stop.rate / params.mass, stop.travel, t
     )
     state.touches += touches
+    if fault:
+        state.fault = True
     return u, rate + slope
 
 
@@ -216,7 +235,7 @@ def ride(state, t, gamma, w2, push, params, undulation, road, bumps, stop):
                 pass_knot(state, road, bumps)
             else:
                 u, v = straight(state, u, v, slope, gamma, w2, push, left, params, stop)
-                state.to_knot -= params.speed * left
+                state.to_knot = max(0.0, state.to_knot - params.speed * left)
             left -= piece
     if undulation is not None:
         roll_undulation(state, params.speed * t, undulation)

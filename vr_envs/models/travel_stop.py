@@ -7,6 +7,8 @@ slope, the damping and the spring stay as they are,
 
 with side = +1 or -1, so between contacts the motion is the free motion of a damped spring about an equilibrium. The
 rubber's force is continuous and never pulls. Its contacts are found by the certified march of `root.free_step`.
+A search that does not end, or more than `MAX_CONTACTS` contacts in one piece of road, is a fault that the caller is
+told.
 """
 
 from __future__ import annotations
@@ -21,7 +23,7 @@ from vr_envs.models.spring import free_motion
 
 RESOLUTION = 1e-16  # s: a smaller step of the march no longer moves the mass
 MAX_CONTACTS = 64  # in one piece of road; two of them are half a period of the rubber apart, some 0.1 s
-MAX_MARCH = 200  # steps of one search; the march converges quadratically
+MAX_MARCH = 10_000  # steps of one search; quadratic, but linear where the mass grazes the boundary
 
 
 @dataclasses.dataclass(frozen=True)
@@ -30,7 +32,9 @@ class TravelStop:
 
     travel: float = quantity(0.08, "m", "travel at which a stop is touched, either way", low=1e-3, high=10.0)
     rate: float = quantity(250e3, "N/m", "spring rate of the rubber", low=1.0, high=1e7)
-    crush: float = quantity(0.015, "m", "compression of the rubber that ends the episode", low=1e-4, high=10.0)
+    crush: float = quantity(
+        0.015, "m", "compression of the rubber, at a control instant, that ends the episode", low=1e-4, high=10.0
+    )
 
 
 @kernel
@@ -52,7 +56,8 @@ def _move(u, rate, side, gamma, w2, push, w2_stop, travel, t):
 def time_to_contact(u, rate, side, gamma, w2, push, w2_stop, travel, t):
     """Time [s] until the mass touches a stop (side = 0) or leaves the stop `side` (+1, -1); `t` if not before t.
 
-    `u` [m] and `rate` = du/dt [m/s] are the present travel and its rate; push [m/s^2] is the constant acceleration.
+    Negative if the search did not end. `u` [m] and `rate` = du/dt [m/s] are the present travel and its rate;
+    push [m/s^2] is the constant acceleration.
     """
     stiff, centre = _phase(side, w2, push, w2_stop, travel)
     gap = travel - abs(u) if side == 0.0 else side * u - travel
@@ -81,21 +86,25 @@ def time_to_contact(u, rate, side, gamma, w2, push, w2_stop, travel, t):
             return t
         now, now_rate = free_motion(u - centre, rate, gamma, stiff, elapsed)
         now += centre
-    return elapsed
+    return -1.0
 
 
 @kernel
 def move_with_stop(u, rate, side, gamma, w2, push, w2_stop, travel, t):
-    """Travel, its rate, the side of the stop in contact (0 if none) and the number of touches, after the time t."""
+    """Travel, its rate, the side of the stop in contact (0 if none), touches and whether it failed, after the time t.
+
+    On a failure the rest is what was known until then.
+    """
     touches = 0
     for _ in range(MAX_CONTACTS):
         free_for = time_to_contact(u, rate, side, gamma, w2, push, w2_stop, travel, t)
+        if free_for < 0.0:
+            break
         u, rate = _move(u, rate, side, gamma, w2, push, w2_stop, travel, free_for)
         t -= free_for
         if t <= 0.0:
-            return u, rate, side, touches
+            return u, rate, side, touches, False
         u = math.copysign(travel, u)
         touches += side == 0.0
         side = math.copysign(1.0, u) if side == 0.0 else 0.0
-    u, rate = _move(u, rate, side, gamma, w2, push, w2_stop, travel, t)
-    return u, rate, side, touches
+    return u, rate, side, touches, True

@@ -145,7 +145,7 @@ class TerrainRidePainter(Painter):
         carrier = y - 2.0 * WHEEL - 7.0
         mass = carrier - max(SHORTEST, REST_LENGTH + float(state["travel"]) * view.y_scale)
         top = mass - MASS_HEIGHT
-        stiff, hard = (0.5 * (float(v) + 1.0) for v in (state["position"][1], state["position"][0]))
+        stiff, hard = (0.5 * (float(v) + 1.0) for v in (state["held"][1], state["held"][0]))
         if p.actuation == "active":
             stiff, hard = 0.5, 0.2
         canvas.line([(x, y - WHEEL), (x, carrier)], INK, 4.0)
@@ -169,7 +169,7 @@ class TerrainRidePainter(Painter):
         canvas.box(Box(x - 50.0, top, 100.0, MASS_HEIGHT), RED if touching else BLUE, 5.0)
         canvas.text(f"{p.mass:g} kg", (x, 0.5 * (top + mass)), PANEL, SMALL, "centre")
         if p.actuation == "active":
-            push = float(state["position"][0])
+            push = float(state["held"][0])
             ends = [(x, top - 4.0), (x, top - 4.0 - 34.0 * abs(push))]
             tail, tip = ends if push > 0.0 else ends[::-1]
             canvas.arrow(tail, tip, ORANGE, 4.0, 9.0)
@@ -225,10 +225,10 @@ class TerrainRidePainter(Painter):
         p = self.scene.params
         gamma, w2, _ = suspension(state, self.params)
         if p.actuation == "active":
-            force = p.force * float(state["position"][0])
-            rows = [("Force", signed(f"{force:+.0f} N"), float(state["position"][0]))]
+            force = p.force * float(state["held"][0])
+            rows = [("Force", signed(f"{force:+.0f} N"), float(state["held"][0]))]
         else:
-            damping, spring = (float(v) for v in state["position"])
+            damping, spring = (float(v) for v in state["held"])
             rows = [
                 ("Spring", f"{1e-3 * w2 * p.mass:.1f} kN/m", spring),
                 ("Damper", f"{1e-3 * gamma * p.mass:.2f} kN s/m", damping),
