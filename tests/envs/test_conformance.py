@@ -10,6 +10,7 @@ from gymnasium.vector import AutoresetMode
 from stable_baselines3.common.env_checker import check_env as sb3_check
 
 import vr_envs  # noqa: F401
+from vr_envs.envs.scene import resolve
 
 IDS = sorted(id for id in gym.registry if id.startswith("vr_envs/"))
 ROWS, STEPS = 64, 1000
@@ -31,6 +32,13 @@ def limited(monkeypatch):
 
 
 CASES = [(id, scene) for id in IDS for scene in scenes_of(id)]
+
+# one scene of every id in which random actions end episodes long before the time limit, and not always
+PERILOUS = {
+    "vr_envs/Autopilot-v0": {"altitude_low": 20.0, "altitude_high": 100.0, "speed_low": 62.0, "speed_high": 80.0},
+    "vr_envs/BallOnBar-v0": {"restitution": 0.8},
+    "vr_envs/TerrainRide-v0": {"road": {"iso_class": "E"}},
+}
 
 
 def same(a, b):
@@ -70,9 +78,12 @@ def test_checkers_pass_without_a_warning(id, scene):
 
 
 @pytest.mark.parametrize("mode", ["NEXT_STEP", "SAME_STEP"])
-@pytest.mark.parametrize(("id", "scene"), CASES)
+@pytest.mark.parametrize(("id", "scene"), [*CASES, *((id, None) for id in IDS)])
 def test_batch_is_the_sync_vector_env_byte_for_byte(id, scene, mode, limited):
+    """In every preset, and, where `scene` is None, where episodes end in both ways."""
     limited(id, LIMIT)
+    both_ways = scene is None
+    scene = PERILOUS[id] if both_ways else scene
     rng = np.random.default_rng(11)
     batch = gym.make_vec(id, ROWS, scene=scene, autoreset_mode=mode)
     plain = gym.vector.SyncVectorEnv([lambda: gym.make(id, scene=scene)] * ROWS, autoreset_mode=AutoresetMode[mode])
@@ -89,16 +100,51 @@ def test_batch_is_the_sync_vector_env_byte_for_byte(id, scene, mode, limited):
         same(mine, theirs)
         ended += mine[2].sum(), mine[3].sum()
     assert ended[1] > 0, "no episode was truncated"
-    if scene in TERMINATING[id]:
-        assert ended[0] > 0, "no episode terminated"
+    assert not both_ways or ended[0] > 0, "no episode terminated"
 
 
-# scenes in which random actions end episodes before the time limit
-TERMINATING = {
-    "vr_envs/BallOnBar-v0": ("bell", "rolling"),
-    "vr_envs/Autopilot-v0": (),
-    "vr_envs/TerrainRide-v0": (),
-}
+@pytest.mark.parametrize("id", IDS)
+def test_disabled_mode_is_the_sync_vector_env_whatever_ended_rows_are_reset_together(id, limited):
+    """The rows that ended are reset in two parts, at random, some of them terminated and some truncated."""
+    limited(id, LIMIT)
+    rng = np.random.default_rng(12)
+    batch = gym.make_vec(id, ROWS, scene=PERILOUS[id], autoreset_mode="DISABLED")
+    plain = gym.vector.SyncVectorEnv(
+        [lambda: gym.make(id, scene=PERILOUS[id])] * ROWS, autoreset_mode=AutoresetMode.DISABLED
+    )
+    same(batch.reset(seed=6), plain.reset(seed=6))
+    ended, parted = np.zeros(2, int), 0
+    for _ in range(300):
+        actions = rng.uniform(-1.2, 1.2, (ROWS, *batch.single_action_space.shape)).astype(np.float32)
+        mine, theirs = batch.step(actions), plain.step(actions)
+        same(mine, theirs)
+        done = mine[2] | mine[3]
+        ended += mine[2].sum(), mine[3].sum()
+        first = done & (rng.random(ROWS) < 0.5)
+        parts = [part for part in (first, done & ~first) if part.any()]
+        parted += len(parts) == 2
+        for k, part in enumerate(parts):
+            same(batch.reset(options={"reset_mask": part}), plain.reset(options={"reset_mask": part.copy()}))
+            if k + 1 < len(parts):
+                with pytest.raises(gym.error.ResetNeeded, match="has ended"):
+                    batch.step(actions)
+    assert (ended > 0).all() and parted > 0
+
+
+@pytest.mark.parametrize("id", IDS)
+def test_levels_differ_from_the_default_scene_in_what_they_say(id):
+    task = gym.make(id).unwrapped.task
+    usual = resolve(task).as_dict()
+    assert "nominal" in task.levels
+    for level, changes in task.levels.items():
+        env = gym.make(id, scene=changes).unwrapped
+        scene = env.world.scene.as_dict()
+        told = {}
+        for key, change in changes.items():
+            told[key] = {**usual[key], **change} if isinstance(change, dict) else change
+            assert told[key] != usual[key], (level, key)
+        assert scene == {**usual, **told}
+        assert (env.world.scene.label == resolve(task).label) == (level == "nominal")
 
 
 @pytest.mark.parametrize("id", IDS)
