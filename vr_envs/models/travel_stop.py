@@ -23,7 +23,7 @@ from vr_envs.models.spring import free_motion
 
 RESOLUTION = 1e-16  # s: a smaller step of the march no longer moves the mass
 MAX_CONTACTS = 64  # in one piece of road; two of them are half a period of the rubber apart, some 0.1 s
-MAX_MARCH = 10_000  # steps of one search; linear where the mass grazes: 1802 is the most seen over 6000 such swings
+MAX_MARCH = 10_000  # steps of one search; linear where the mass grazes: 1802 in the longest of 6000 such swings
 
 
 @dataclasses.dataclass(frozen=True)
