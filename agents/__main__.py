@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from agents.config import Config, load, parse
+from vr_envs.cli.common import whole
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -38,7 +39,7 @@ def _parser() -> argparse.ArgumentParser:
 
     for command in (train, evaluate):
         command.add_argument(
-            "--scenarios", type=int, default=200, metavar="N", help="held-out scenarios (default: %(default)s)"
+            "--scenarios", type=whole(2), default=200, metavar="N", help="held-out scenarios (default: %(default)s)"
         )
         command.add_argument("--quiet", action="store_true", help="no progress bars")
     return parser
@@ -108,6 +109,9 @@ def main(arguments: list[str] | None = None) -> int:
     except (ValueError, OSError) as error:
         print(f"python -m agents {given.command}: error: {error}", file=sys.stderr)
         return 2
+    except KeyboardInterrupt:
+        print(f"python -m agents {given.command}: interrupted", file=sys.stderr)
+        return 130
 
 
 if __name__ == "__main__":

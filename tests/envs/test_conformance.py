@@ -358,3 +358,11 @@ def test_a_refused_reset_changes_nothing(id):
     twin = gym.make(id).unwrapped
     twin.reset(seed=1)
     same(env.reset()[0], twin.reset()[0])
+
+
+@pytest.mark.parametrize("id", IDS)
+def test_keys_of_a_batch_replay_from_a_list(id):
+    batch = gym.make_vec(id, 4)
+    first, _ = batch.reset(seed=3)
+    again, _ = batch.reset(options={"scenario": batch.get_state()["key"].tolist()})
+    same(again, first)

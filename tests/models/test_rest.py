@@ -218,3 +218,22 @@ def test_rolling_law_feels_gravity_and_the_bars_acceleration():
 
 def test_the_share_that_closes_a_chatter_is_small():
     assert STEADY <= 1e-3
+
+
+@pytest.mark.parametrize("frequency", [0.5, 1.0, 5.0, 6.351, 50.0, 200.0])
+@pytest.mark.parametrize("law", LAWS)
+def test_no_search_ends_undecided_at_any_frequency(frequency, law):
+    """Where a unit in the last place of the time is longer or shorter than at 15 Hz."""
+    size = (15.0 / frequency) ** 2
+    params, options = resolve(
+        TASK, {**LAWS[law], "frequency": frequency, "half_length": 10.0, "tilt_acceleration": 50.0 / max(1.0, size)}
+    ).records()
+    rng = np.random.default_rng(6)
+    state = np.zeros(1, dtype_of(TASK.state))
+    for key in range(20):
+        state[:] = np.zeros((), state.dtype)
+        state["key"] = key
+        TASK.start(state[0], params, *options)
+        for _ in range(20):
+            advance(state[0], rng.uniform(-1, 1, 6), params, *options)
+            assert state["fault"][0] == 0

@@ -81,7 +81,7 @@ def resolve(task: Task, scene: str | Mapping[str, Any] | None = None) -> Scene:
     if not isinstance(overrides, Mapping):
         raise ValueError(f"scene = {scene!r} is not allowed; give a preset's name or a dict of overrides")
     base = scene if isinstance(scene, str) else overrides.get("base", task.default_scene)
-    if base not in task.scenes:
+    if not isinstance(base, str) or base not in task.scenes:
         raise ValueError(f"{task.name} has no scene {base!r}; choose one of {', '.join(task.scenes)}")
     merged: dict[str, Any] = {}
     _merge(task, merged, task.scenes[base], f"preset {base!r}")

@@ -122,8 +122,11 @@ def scenario_keys(options: Mapping[str, Any] | None, n: int) -> np.ndarray | Non
     scenario = (options or {}).get("scenario")
     if scenario is None:
         return None
-    keys = np.broadcast_to(np.asarray(scenario), (n,)) if np.ndim(scenario) == 0 else np.asarray(scenario)
-    if keys.shape != (n,) or keys.dtype.kind not in "iu" or (keys.dtype.kind == "i" and (keys < 0).any()):
+    # as objects: NumPy would make floats of whole numbers on both sides of 2^63
+    keys = np.atleast_1d(np.array(scenario, dtype=object))
+    keys = np.broadcast_to(keys, (n,)) if keys.shape == (1,) else keys
+    whole = all(isinstance(k, int | np.integer) and not isinstance(k, bool) and 0 <= k < 2**64 for k in keys.flat)
+    if keys.shape != (n,) or not whole:
         raise ValueError(
             f"options['scenario'] = {scenario!r}; give an integer in [0, 2^64), or one for each of {n} envs"
         )

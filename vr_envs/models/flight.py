@@ -7,7 +7,7 @@ import math
 from vr_envs.models.bar import cos_sin, increments
 from vr_envs.models.jit import kernel
 from vr_envs.models.rest import UNDECIDED, flight_support
-from vr_envs.models.root import MAX_MARCH, TIME_RESOLUTION, certified_step
+from vr_envs.models.root import MAX_MARCH, TIME_RESOLUTION, certified_step, converged
 
 AIRBORNE, BOUNCED, RELEASED = 0, 1, 2  # how a flight begins
 
@@ -94,6 +94,8 @@ def flight(piece, limits, tan, s, frame, end, x, z, u, w, gravity, contact):
         if value <= 0.0:
             return True, ds
         step = certified_step(value, slope, second, jerk, curvature)
+        if converged(s + ds, step):
+            return True, ds
         ds += step
         # what the certified step left out of the cubic term is below the resolution of time
         if slope < 0.0 and jerk * step * step * step < -TIME_RESOLUTION * slope:

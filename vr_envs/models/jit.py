@@ -9,6 +9,7 @@ is never loaded.
 from __future__ import annotations
 
 import hashlib
+import warnings
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -61,5 +62,8 @@ def kernel(function: Any) -> Any:
     The variables that a kernel closes over, if any, must themselves be kernels.
     """
     dispatcher: Any = numba.njit(nogil=True, error_model="numpy")(function)
-    dispatcher._cache = _KernelCache(function)
+    try:
+        dispatcher._cache = _KernelCache(function)
+    except RuntimeError:  # no folder can be written: neither the package's nor the user's cache
+        warnings.warn("vr_envs: no writable folder for compiled kernels; set NUMBA_CACHE_DIR to one", stacklevel=2)
     return dispatcher

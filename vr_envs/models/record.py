@@ -73,7 +73,7 @@ def checked_value(field: dataclasses.Field[Any], given: Any, label: str) -> Any:
         return bool(given)
     if isinstance(given, bool | np.bool_) or not isinstance(given, int | float | np.integer | np.floating):
         raise ValueError(f"{label} = {given!r} is not a number; give {unit or 'a number'} in [{low:g}, {high:g}]")
-    if not math.isfinite(given) or not low <= given <= high:
+    if not low <= given <= high or not math.isfinite(given):
         raise ValueError(
             f"{label} = {given!r} is not allowed; it must be finite and in [{low:g}, {high:g}] {unit}".rstrip()
         )

@@ -16,7 +16,7 @@ import numpy as np
 
 from vr_envs.models.bar import frame_at
 from vr_envs.models.jit import kernel
-from vr_envs.models.root import MAX_MARCH, TIME_RESOLUTION, free_step
+from vr_envs.models.root import MAX_MARCH, converged, free_step
 
 _STAGES = 5  # Gauss-Legendre collocation of order 10
 MAX_PICARD = 60
@@ -93,9 +93,9 @@ def carry(piece, limits, s, end, gravity, d):
         step = free_step(force, slope, curvature)
         if s + step >= end:
             return end
-        s += step
-        if step < TIME_RESOLUTION:
+        if converged(s, step):
             return s
+        s += step
     return UNDECIDED
 
 
@@ -157,7 +157,7 @@ def roll(piece, limits, s, end, gravity, inertia_ratio, radius, half_length, d, 
             limits, gravity, half_length, abs(rate) + longest * pull, pull, inertia_ratio * radius
         )
         step = free_step(force, slope, curvature)
-        done = step < TIME_RESOLUTION
+        done = converged(s, step)
         step = min(step, longest, end - s)
         d, rate = _roll_step(piece, s, step, gravity, inertia_ratio, radius, d, rate)
         s = end if step == end - s else s + step

@@ -6,7 +6,7 @@ import math
 
 from vr_envs.models.jit import kernel
 
-TIME_RESOLUTION = 1e-17  # s, one unit in the last place of a base cycle's time
+TIME_RESOLUTION = 1e-17  # s, about a unit in the last place of a base cycle's time
 MAX_MARCH = 1000  # steps; the most seen over grazing launches is about 150
 
 
@@ -21,6 +21,12 @@ def free_step(value, slope, curvature):
     if slope > 0.0:
         return (slope + root) / curvature
     return 2.0 * value / (root - slope)  # the same number without cancellation
+
+
+@kernel
+def converged(time, step):
+    """Whether a step (s) no longer moves `time` (s): the root has been reached to rounding."""
+    return step < TIME_RESOLUTION or time + step == time
 
 
 @kernel
