@@ -172,7 +172,8 @@ def test_a_controller_reads_from_the_observation_what_the_record_says(scene) -> 
     np.testing.assert_allclose(reading.earlier_action, earlier, atol=1e-7)
     lags = np.array([2.5, 3.5, 1.8]) if scene == "airliner" else np.zeros(3)
     lead = error - lags * (rate - s["demand_rate"])
-    np.testing.assert_allclose(reading.lead_error, lead, rtol=1e-5, atol=2e-6)
+    ahead = lead / (np.array(BAND) + np.abs(lead))
+    np.testing.assert_allclose(observations[:, 6:9], ahead, rtol=1e-5, atol=1e-6)
     near = error / (np.array(BAND) + np.abs(error))
     np.testing.assert_allclose(observations[:, 3:6], near, atol=1e-6)
 

@@ -213,7 +213,7 @@ class AutopilotEnv(ScalarEnv):
     |---|---|---|---|
     | 0-2 | error, logarithmic | m, m/s, rad | sign(e) ln(1 + abs(e) / b) / ln(1 + s / b), s = 15 km, 300 m/s, pi |
     | 3-5 | error, near | m, m/s, rad | e / (b + abs(e)) |
-    | 6-8 | lead error e - lag (rate - demand rate) | m, m/s, rad | as 0-2 |
+    | 6-8 | lead error e - lag (rate - demand rate) | m, m/s, rad | as 3-5 |
     | 9-11 | vertical speed, acceleration, turn rate | m/s, m/s^2, rad/s | in units of the largest limit |
     | 12-14 | rates of change of the demands | m/s, m/s^2, rad/s | in units of the largest limit |
     | 15 | airspeed | m/s | -1 at the stall speed (60), 1 at the top speed (300) |

@@ -29,7 +29,6 @@ class Reading(NamedTuple):
     """What an observation batch says, in SI units; (n, 3) is altitude, airspeed, heading."""
 
     error: np.ndarray  # demand - value, (n, 3)
-    lead_error: np.ndarray  # error when the lags have run out, (n, 3)
     rate: np.ndarray  # vertical speed, acceleration, turn rate, (n, 3)
     demand_rate: np.ndarray  # (n, 3)
     speed: np.ndarray  # (n,)
@@ -75,7 +74,7 @@ def observe(state, row, params, envelope, energy, lags, gust, track, demands):  
         lead = away - delays[channel] * (rates[channel] - state.demand_rate[channel])
         _put(row, channel, _signed_log(away, channel))
         _put(row, 3 + channel, away / (BAND[channel] + abs(away)))
-        _put(row, 6 + channel, _signed_log(lead, channel))
+        _put(row, 6 + channel, lead / (BAND[channel] + abs(lead)))
         _put(row, 9 + channel, rates[channel] * per_limit[channel])
         _put(row, 12 + channel, state.demand_rate[channel] * per_limit[channel])
         _put(row, 17 + channel, state.action[channel])
@@ -95,7 +94,6 @@ def read(observations: np.ndarray, scene: Scene) -> Reading:
 
     return Reading(
         error=errors(row[:, 0:3]),
-        lead_error=errors(row[:, 6:9]),
         rate=row[:, 9:12] * scales,
         demand_rate=row[:, 12:15] * scales,
         speed=p.stall_speed + 0.5 * (row[:, 15] + 1.0) * (p.top_speed - p.stall_speed),
@@ -141,7 +139,8 @@ def channels(scene: Scene) -> tuple[Channel, ...]:
         *(Channel(f"{n} error", u, f"demand - value = +-{b:.4g} (exp(|o| ln(1 + {s:.5g}/{b:.4g})) - 1)")
           for n, u, b, s, _, _ in triple),
         *(Channel(f"{n} error, near", u, f"e / ({b:.4g} + |e|), e = demand - value") for n, u, b, *_ in triple),
-        *(Channel(f"{n} lead error", u, "e - lag (rate - demand rate), scaled as the error") for n, u, *_ in triple),
+        *(Channel(f"{n} lead error", u, f"l / ({b:.4g} + |l|), l = e - lag (rate - demand rate)")
+          for n, u, b, *_ in triple),
         *(Channel(n, u, f"in units of {s:.4g} {u}") for n, u, s in rates),
         *(Channel(f"rate of demanded {n}", u, f"in units of {s:.4g} {u}")
           for n, (_, u, s) in zip(_NAMES, rates, strict=True)),
