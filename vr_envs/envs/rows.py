@@ -48,9 +48,6 @@ def admit(actions: np.ndarray) -> int:
         for j in range(row.shape[0]):
             if not np.isfinite(row[j]):
                 return i
-    for i in range(actions.shape[0]):
-        row = actions[i].row
-        for j in range(row.shape[0]):
             row[j] = min(1.0, max(-1.0, row[j]))
     return -1
 
