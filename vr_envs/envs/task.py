@@ -13,7 +13,7 @@ from vr_envs.envs.scene import Scene
 
 @dataclasses.dataclass(frozen=True)
 class Channel:
-    """One number of an observation or action: its name, its physical range and unit, and what it means."""
+    """One number of an observation or action: its name, its unit or what 1 stands for, its meaning and scaled range."""
 
     name: str
     unit: str
