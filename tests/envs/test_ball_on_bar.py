@@ -13,6 +13,7 @@ from vr_envs.envs.ball_on_bar import FALL_SCALE, HEIGHT_SCALE, SPEED_SCALE, TASK
 from vr_envs.envs.scene import resolve
 from vr_envs.evaluation.rollout import rollout
 from vr_envs.evaluation.scenarios import scenario_set
+from vr_envs.models.ball_on_bar import LOGGED
 
 ID = "vr_envs/BallOnBar-v0"
 SOURCE = BellSink(resolve(TASK), phase=-0.5 * math.pi).action
@@ -21,7 +22,7 @@ SINK = BellSink(resolve(TASK)).action
 
 def impacts_of(env, action):
     """The impacts of the next cycle under `action` as the model logs them, found on a copy of the state."""
-    log = np.zeros((1000, 5))
+    log = np.zeros((1000, len(LOGGED)))
     states = np.array([env.get_state()])
     before = int(states["impacts"][0])
     TASK.advance(states[0], np.clip(np.asarray(action, float), -1.0, 1.0), env.world.params, *env.world.options, log)

@@ -8,7 +8,7 @@ import pytest
 from tests.models.ball_reference import Reference
 from vr_envs.envs.ball_on_bar import TASK
 from vr_envs.envs.scene import resolve
-from vr_envs.models.ball_on_bar import advance, demanded
+from vr_envs.models.ball_on_bar import LOGGED, advance, demanded
 from vr_envs.models.noise import normal_pair
 from vr_envs.models.record import dtype_of
 
@@ -26,7 +26,7 @@ def run(scene, actions, key=7):
     params, options, state = world(scene, key)
     impacts = []
     for cycle, action in enumerate(actions):
-        log = np.zeros((30_000, 5))
+        log = np.zeros((30_000, len(LOGGED)))
         before = int(state["impacts"][0])
         advance(state[0], np.asarray(action, float), params, *options, log)
         rows = [log[i % len(log)] for i in range(before, int(state["impacts"][0]))]
@@ -231,7 +231,7 @@ def test_no_first_impact_is_missed_by_grazing_launches(launches):
         gap = 1e-12 + relative * t - GRAVITY / 2 * t**2 + amplitude * (1 - np.cos(w * t))
         below = np.flatnonzero(gap <= 0)
         expected = t[below[0]] if len(below) else None
-        log = np.zeros((30_000, 5))
+        log = np.zeros((30_000, len(LOGGED)))
         advance(state[0], np.zeros(6), params, *options, log)
         if expected is None:
             assert state["impacts"][0] == 0 or log[0, 0] > period * (1 - 1e-3)

@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 from vr_envs.envs.ball_on_bar import TASK
 from vr_envs.envs.scene import resolve
-from vr_envs.models.ball_on_bar import advance, demanded
+from vr_envs.models.ball_on_bar import LOGGED, advance, demanded
 from vr_envs.models.bar import Piece, frame_at
 from vr_envs.models.record import dtype_of
 from vr_envs.models.rest import flight_support, rolling_law, support
@@ -149,7 +149,7 @@ def test_a_bounce_is_no_chatter_because_the_force_is_at_its_extreme():
     motion = demanded(np.array([0, 0, 0, 0, -4.0, 0]), params)  # z_cos = -A: lowest at s = 0
     state["motion"] = motion
     state["z"], state["w"] = motion[4], -0.05 / 0.75
-    log = np.zeros((100, 5))
+    log = np.zeros((100, len(LOGGED)))
     advance(state[0], np.array([0, 0, 0, 0, -4.0, 0]), params, *options, log)
     assert log[0, 0] == 0.0
     assert state["impacts"][0] > 3

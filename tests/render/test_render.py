@@ -5,7 +5,7 @@ from vr_envs.controllers.ladder import baseline_of, ladder
 from vr_envs.envs.registry import ids, spec_of, task_of
 from vr_envs.envs.scene import resolve
 from vr_envs.evaluation.rollout import episode
-from vr_envs.models.ball_on_bar import advance
+from vr_envs.models.ball_on_bar import LOGGED, advance
 from vr_envs.render import TASKS, painter
 
 SCENES = [(env_id, name) for env_id in ids() for name in task_of(env_id).scenes]
@@ -106,7 +106,7 @@ def test_between_two_states_the_ball_flies_as_the_model_says(scene):
 def test_a_cycle_stopped_on_the_way_agrees_with_the_impacts_of_the_whole():
     resolved, states = episode_of("BallOnBar-v0", None, "bell-sink", 3)
     params, (scatter, spin) = resolved.records()
-    log = np.zeros((8, 5))
+    log = np.zeros((8, len(LOGGED)))
     ball = states[2].copy()
     action = np.array([0.4, 0.0, 0.5, 0.0, 0.0, 0.0])
     advance(ball, action, params, scatter, spin, log)

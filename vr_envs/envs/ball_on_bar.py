@@ -10,8 +10,8 @@ import numpy as np
 from vr_envs.envs.base import BatchEnv, ScalarEnv
 from vr_envs.envs.scene import Scene
 from vr_envs.envs.task import Channel, Task
+from vr_envs.models.ball_on_bar import OPTIONS, advance
 from vr_envs.models.ball_on_bar import Params as BarParams
-from vr_envs.models.ball_on_bar import Scatter, Spin, advance
 from vr_envs.models.ball_on_bar import State as BallState
 from vr_envs.models.jit import kernel
 from vr_envs.models.noise import uniform
@@ -168,7 +168,7 @@ def _validate(scene: Scene) -> None:
 TASK = Task(
     name="ball_on_bar",
     params=Params,
-    options={"scatter": Scatter, "spin": Spin},
+    options=OPTIONS,
     state=State,
     scenes={"bell": {"scatter": True}, "rolling": {"scatter": {"normal": 0.003}, "spin": True}},
     default_scene="bell",

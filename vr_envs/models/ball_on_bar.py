@@ -20,6 +20,10 @@ from vr_envs.models.rest import STILL, UNDECIDED, rest, settle
 
 MAX_EVENTS = 20_000  # impacts and releases in one base cycle; a ball that needs more ends the episode as a fault
 
+LOGGED = ("time", "x", "z", "normal_in", "tangent_in", "normal_out", "tangent_out")
+"""Columns of the log of impacts: time in the cycle (s), place of the ball (m), velocity of its centre relative to the
+bar's material along normal and tangent, before and after (m/s)."""
+
 
 @dataclasses.dataclass(frozen=True)
 class Params:
@@ -89,6 +93,10 @@ class Spin:
     radius: float = quantity(0.0025, "m", "radius R of the ball", low=1e-4, high=1.0)
 
 
+OPTIONS: dict[str, type] = {"scatter": Scatter, "spin": Spin}
+"""What a scene may add, in the order in which kernels take the records; an absent one is passed as None."""
+
+
 @dataclasses.dataclass(frozen=True)
 class State:
     """The ball at the start of a base cycle, and the bar's motion."""
@@ -130,10 +138,6 @@ def _impact(state, piece, frame, limits, s, end, params, scatter, spin, log):
     if abs(d) > params.half_length:
         state.lost = True
         return s, AIRBORNE
-    if log is not None:
-        row = log[state.impacts % log.shape[0]]
-        row[0], row[1], row[2], row[3], row[4] = s, state.x, state.z, normal, tangent
-    state.impacts += 1
     surface_spin = 0.0
     if spin is not None:
         surface_spin = state.spin - spin.radius * frame.tilt[1]
@@ -144,11 +148,14 @@ def _impact(state, piece, frame, limits, s, end, params, scatter, spin, log):
                 normal, tangent, surface_spin, params.restitution, params.tangential_loss, spin
             )
         else:
-            first, second = normal_pair(state.key, state.impacts)
+            first, second = normal_pair(state.key, state.impacts + 1)
             restitution = min(1.0, max(0.0, params.restitution + scatter.restitution * first))
             normal, tangent, surface_spin = collide_rough(
                 normal, tangent, surface_spin, restitution, params.tangential_loss, spin, scatter.normal * second
             )
+    if log is not None:
+        log[state.impacts % log.shape[0]] = s, state.x, state.z, normal_0, tangent_0, normal, tangent
+    state.impacts += 1
     state.u += (normal - normal_0) * frame.sin + (tangent - tangent_0) * frame.cos
     state.w += (normal - normal_0) * frame.cos - (tangent - tangent_0) * frame.sin
     if spin is not None:
@@ -232,7 +239,6 @@ def advance(state, action, params, scatter, spin, log=None):
         params: record of `Params`.
         scatter: record of `Scatter` or None.
         spin: record of `Spin` or None.
-        log: None, or an array (capacity, 5) that receives each impact, number i in row i modulo capacity: time in
-            the cycle (s), x and z of the ball (m), normal and tangential approach velocity (m/s).
+        log: None, or an array (capacity, len(LOGGED)) that receives each impact, number i in row i modulo capacity.
     """
     cycle(state, demanded(action, params), params, scatter, spin, log)
