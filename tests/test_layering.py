@@ -15,8 +15,9 @@ ALLOWED = {
     "controllers": {"models", "envs", "controllers"},
     "evaluation": {"models", "envs", "controllers", "evaluation"},
     "render": {"models", "envs", "render"},
+    "experiments": {"models", "experiments"},
     "bench": {"models", "envs", "bench"},
-    "cli": {"models", "envs", "controllers", "evaluation", "render", "bench", "cli"},
+    "cli": {"models", "envs", "controllers", "evaluation", "render", "bench", "experiments", "cli"},
 }
 LIBRARIES = {
     "models": {"math", "numpy", "numba"},

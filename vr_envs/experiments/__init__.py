@@ -1,0 +1,1 @@
+"""The figures and tables of the source documents as experiments that anyone can run again."""
