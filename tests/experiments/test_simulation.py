@@ -137,7 +137,7 @@ START = ball(MOTION, z=0.002)
         (lambda: simulate(PARAMS, MOTION, START, 3, {"spin": Spin(radius=-1.0)}), r"spin\.radius"),
         (lambda: simulate(Params(restitution=2.0), MOTION, START, 3), r"params\.restitution"),
         (lambda: simulate({}, MOTION, START, 3), "give a vr_envs.models.ball_on_bar.Params"),
-        (lambda: simulate(PARAMS, MOTION, 0.002, 3), r"a record of ball\(\)"),
+        (lambda: simulate(PARAMS, MOTION, 0.002, 3), r"made by ball\(\)"),
         (lambda: ball(MOTION, z=math.inf), "z = inf"),
         (lambda: ball(MOTION, key=-1), "key"),
         (lambda: bar_motion(PARAMS, z=math.nan), "finite"),
