@@ -30,6 +30,8 @@ _TIME, _X, _Z, _NORMAL_IN, _TANGENT_IN, _NORMAL_OUT, _TANGENT_OUT = (
     LOGGED.index(name) for name in ("time", "x", "z", "normal_in", "tangent_in", "normal_out", "tangent_out")
 )
 
+PATIENCE = 8  # cycles per impact that a scan waits for
+
 IMPACT = np.dtype(
     [
         ("cycle", "i8"),  # base cycle, counted from the start of the first run
@@ -140,7 +142,7 @@ def _run(state, motions, params, options, log, impacts, samples, ratio):
 
 @kernel
 def _scan(states, motions, params, options, log, skip, kept, counts, follow):
-    """For each motion: `skip` cycles, then cycles until a row of `kept` is full or as many as it has columns."""
+    """For each motion: `skip` cycles, then cycles until a row of `kept` is full, or the ball must be at rest."""
     for j in range(motions.shape[0]):
         if follow and j > 0:
             states[j] = states[j - 1]
@@ -148,7 +150,7 @@ def _scan(states, motions, params, options, log, skip, kept, counts, follow):
         for _ in range(skip):
             cycle(state, new, params, *options, log)
             state.steps += 1
-        for _ in range(kept.shape[1]):
+        for _ in range(PATIENCE * kept.shape[1]):
             old = _phasors(state.motion)
             before = state.impacts
             cycle(state, new, params, *options, log)
@@ -337,7 +339,7 @@ def scan(
         starts: one record of `State` for all runs, or (n,) one for each, as from `starts = np.repeat(ball(motion), n)`
             and then `starts["z"] = ...`; not changed.
         skip: cycles that each run takes before its impacts are kept.
-        keep: impacts to keep per run; a run ends after `keep` cycles more at the latest.
+        keep: impacts to keep per run; a run ends after `PATIENCE * keep` cycles more at the latest.
         options: see `simulate`.
         follow: each run starts from the end of the one before (a quasi-static sweep); the first from `starts`.
 
