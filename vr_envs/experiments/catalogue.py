@@ -15,6 +15,7 @@ VERTICAL = (
     Experiment(
         "restitution", "Section III.D", "restitution from the decay of a dropped ball", "restitution:restitution"
     ),
+    Experiment("bifurcation", "Figs 3.8 to 3.10", "heights of bounce against acceleration", "bifurcation:bifurcation"),
     Experiment("stability-bands", "Fig 3.11", "stable period one for m = 1 to 7", "stability_bands:stability_bands"),
     Experiment(
         "phase-portrait", "Fig 3.12", "impacts in the reduced phase space, and locking", "phase_portrait:phase_portrait"
