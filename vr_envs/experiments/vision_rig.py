@@ -79,8 +79,12 @@ class Rig:
     def calibrated(self, key: int) -> tuple[Calibration, Calibration]:
         """Both cameras as an experimenter would find them: the ball held at the places of `target(key)`."""
         places = target(key)
-        first = calibrate(places, self.ball_images(places, 0, key))
-        return first, calibrate(places, self.ball_images(places, 1, key + 1))
+        estimated = []
+        for view in (0, 1):
+            images = self.ball_images(places, view, key + view)
+            seen = np.isfinite(images).all(axis=1)
+            estimated.append(calibrate(places[seen], images[seen]))
+        return estimated[0], estimated[1]
 
 
 def target(key: int) -> np.ndarray:
