@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vr_envs.experiments.experiment import Finding, Outcome, Progress
+from vr_envs.experiments.look import BALL, BAR, FAINT, FORMULA, FOUND, label
 from vr_envs.experiments.simulation import ball, bar_motion, simulate
 from vr_envs.experiments.vision_rig import (
     MARKER_RADIUS,
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 
 REGION_RATE = 2000.0  # Hz, exposures of all regions together (Bell: divided over three, 667 Hz each)
 RUNS = 50  # calibrations
+CUT = 33  # pixels, side of the pictures of the white pixels
 
 
 def run(progress: Progress) -> Outcome:
@@ -139,51 +141,41 @@ def _draw(figure: Figure, rig: Rig, track: dict[str, Any]) -> None:
     grid = figure.add_gridspec(4, 4, height_ratios=(1.5, 1, 1, 1))
     at = len(track["time"]) // 10
     image, window = _image(rig, track, at)
-    extent = (
-        window.column - 0.5,
-        window.column + window.columns - 0.5,
-        window.row + window.rows - 0.5,
-        window.row - 0.5,
-    )
-    axes = figure.add_subplot(grid[0, :3])
-    axes.imshow(image, cmap="gray", vmin=0, vmax=255, extent=extent, interpolation="nearest")
-    for region, name in zip(rig.regions, ("direct view", "in the mirror"), strict=True):
-        left, top = region.column - 0.5, region.row - 0.5
-        x = [left, left + region.columns, left + region.columns, left, left]
-        y = [top, top, top + region.rows, top + region.rows, top]
-        axes.plot(x, y, color="tab:orange", linewidth=1.0)
-        axes.text(left + 4, top + 14, name, color="tab:orange", fontsize=8)
-    axes.set(
-        xlabel="column (pixel)", ylabel="row (pixel)", title="Image: ball in two lines of sight, markers of the bar"
-    )
-    masks = figure.add_subplot(grid[0, 3])
+    left, top = window.column - 0.5, window.row - 0.5
+    axes, masks = figure.add_subplot(grid[0, :3]), figure.add_subplot(grid[0, 3])
+    axes.imshow(
+        image, cmap="gray", vmin=0, vmax=255, interpolation="nearest",
+        extent=(left, left + window.columns, top + window.rows, top),
+    )  # fmt: skip
     parts = []
-    for points, colour in zip(track["images"], ("tab:blue", "tab:red"), strict=True):
-        column, row = points[at]
+    for k, (region, name) in enumerate(zip(rig.regions, ("direct view", "in the mirror"), strict=True)):
+        colour = (BALL, FOUND)[k]
+        x, y = region.column - 0.5, region.row - 0.5
+        right, bottom = x + region.columns, y + region.rows
+        axes.plot([x, right, right, x, x], [y, y, bottom, bottom, y], color=BAR, linewidth=1.0)
+        axes.text(x + 4, y + 16, name, color=BAR, fontsize=9)
+        column, row = track["images"][k][at]
         axes.plot(column, row, "+", color=colour)
-        c0, r0 = round(column) - 16, round(row) - 16
-        parts.append(image[r0 - window.row : r0 - window.row + 33, c0 - window.column : c0 - window.column + 33])
-        masks.plot(column - c0 + 33 * (len(parts) - 1), row - r0, "+", color=colour, markersize=12)
+        c0, r0 = round(column) - CUT // 2, round(row) - CUT // 2
+        parts.append(image[r0 - window.row : r0 - window.row + CUT, c0 - window.column : c0 - window.column + CUT])
+        masks.plot(column - c0 + CUT * k, row - r0, "+", color=colour, markersize=12)
     masks.imshow(np.hstack(parts) >= rig.camera.threshold, cmap="gray", interpolation="nearest")
-    masks.set(title="White pixels, centroids", xlabel="pixel")
+    label(axes, "image: the ball in two lines of sight, and the bar's markers", "column (pixel)", "row (pixel)")
+    label(masks, "white pixels and centroids", "pixel", "pixel")
     time = track["time"]
     for k, name in enumerate("xyz"):
-        lines = figure.add_subplot(grid[1 + k, :2])
-        lines.plot(time, 1e3 * track["truth"][:, k], color="tab:gray", label="true")
-        lines.plot(time, 1e3 * track["together"][:, k], ".", markersize=3, color="tab:blue", label="seen")
+        lines, errors = figure.add_subplot(grid[1 + k, :2]), figure.add_subplot(grid[1 + k, 2:])
+        lines.plot(time, 1e3 * track["truth"][:, k], color=FORMULA, linewidth=0.8, label="ball, true")
+        lines.plot(time, 1e3 * track["together"][:, k], ".", markersize=3, color=BALL, label="seen")
         if name == "z":
-            lines.plot(time, 1e3 * track["bar"][:, 1], color="tab:olive", linewidth=0.8, label="bar, true")
-            lines.plot(time, 1e3 * track["bar_seen"][:, 1], ".", markersize=2, color="tab:red", label="bar, seen")
-        lines.set(ylabel=f"{name} (mm)", xlabel="time (s)" if name == "z" else "")
-        lines.legend(fontsize=7, loc="upper right")
-        errors = figure.add_subplot(grid[1 + k, 2:])
-        wrong = {label: track[key][:, k] - track["truth"][:, k] for key, label in
-                 (("in_turn", "regions in turn"), ("together", "regions together"))}  # fmt: skip
-        for colour, (label, values) in zip(("tab:orange", "tab:blue"), wrong.items(), strict=True):
-            errors.plot(time, 1e3 * values, ".", markersize=3, color=colour, label=label)
-        errors.set(ylabel=f"error of {name} (mm)", xlabel="time (s)" if name == "z" else "")
-        errors.legend(fontsize=7, loc="upper right")
-    figure.tight_layout()
+            lines.plot(time, 1e3 * track["bar"][:, 1], color=FAINT, linewidth=0.8, label="bar, true")
+            lines.plot(time, 1e3 * track["bar_seen"][:, 1], ".", markersize=2, color=BAR, label="seen")
+        for key, colour, text in (("in_turn", BAR, "regions in turn"), ("together", BALL, "regions together")):
+            wrong = 1e3 * (track[key][:, k] - track["truth"][:, k])
+            errors.plot(time, wrong, ".", markersize=3, color=colour, label=text)
+        last = name == "z"
+        label(lines, name, "time (s)" if last else "", f"{name} (mm)", legend=True)
+        label(errors, f"error of {name}", "time (s)" if last else "", "error (mm)", legend=True)
 
 
 def _image(rig: Rig, track: dict[str, Any], at: int) -> tuple[np.ndarray, Window]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from vr_envs.experiments.calibration import projected
 from vr_envs.experiments.experiment import Finding, Outcome, Progress
+from vr_envs.experiments.look import BALL, BAR, FOUND, label
 from vr_envs.experiments.vision_rig import Rig, bar_poses, centroid_error, locate, marker_error, predicted_error, target
 from vr_envs.models.camera import Camera, outline
 
@@ -186,22 +187,24 @@ def _findings(over_noise: list, over_size: list, calibration: list) -> list[Find
 
 
 def _draw(figure: Figure, tables: dict[str, dict[str, np.ndarray]]) -> None:
-    figure.set_size_inches(11.0, 7.0)
+    """Error over noise and over resolution per axis, calibration, bias."""
+    figure.set_size_inches(11.0, 7.5)
     axes = figure.subplots(2, 2)
-    for column, (table, key) in enumerate((("noise", "noise (grey level)"), ("resolution", "resolution (mm/pixel)"))):
-        rows = tables[table]
-        for name, colour in zip("xyz", ("tab:blue", "tab:red", "tab:green"), strict=True):
-            axes[0, column].plot(rows[key], rows[f"{name} expected (um)"], color=colour, linewidth=1.0)
-            axes[0, column].plot(rows[key], rows[f"{name} rms error (um)"], "o", color=colour, label=f"{name}")
-            axes[1, 1].plot(rows[key], rows[f"{name} bias (um)"], "o-", color=colour) if column else None
-        axes[0, column].set(xlabel=key, ylabel="rms error (um)", title="found (points) and expected (lines)")
-        axes[0, column].legend()
+    found = "found (points), theory (lines)"
+    noise, size = "noise (grey level)", "resolution (mm/pixel)"
+    for place, table, key in ((axes[0, 0], "noise", noise), (axes[0, 1], "resolution", size)):
+        for name, colour in zip("xyz", (BALL, FOUND, BAR), strict=True):
+            rows = tables[table]
+            place.plot(rows[key], rows[f"{name} expected (um)"], color=colour, linewidth=1.0)
+            place.plot(rows[key], rows[f"{name} rms error (um)"], "o", color=colour, label=name)
+            if table == "resolution":
+                axes[1, 1].plot(rows[key], rows[f"{name} bias (um)"], "o-", color=colour, label=name)
+        label(place, found, key, "rms error (um)", legend=True)
     axes[0, 1].set(xscale="log", yscale="log")
-    axes[1, 1].set(xlabel="resolution (mm/pixel)", ylabel="bias (um)", xscale="log")
+    axes[1, 1].set(xscale="log")
+    label(axes[1, 1], "bias", size, "mean error (um)", legend=True)
     rows = tables["calibration"]
-    for view, colour in (("direct", "tab:blue"), ("reflected", "tab:red")):
-        axes[1, 0].plot(rows["noise (grey level)"], rows[f"{view} view, expected (pixel)"], color=colour, linewidth=1.0)
-        axes[1, 0].plot(rows["noise (grey level)"], rows[f"{view} view, found (pixel)"], "o", color=colour, label=view)
-    axes[1, 0].set(xlabel="noise (grey level)", ylabel="error of the calibrated camera (pixel)")
-    axes[1, 0].legend()
-    figure.tight_layout()
+    for view, colour in (("direct", BALL), ("reflected", FOUND)):
+        axes[1, 0].plot(rows[noise], rows[f"{view} view, expected (pixel)"], color=colour, linewidth=1.0)
+        axes[1, 0].plot(rows[noise], rows[f"{view} view, found (pixel)"], "o", color=colour, label=view)
+    label(axes[1, 0], found, noise, "error of the calibrated camera (pixel)", legend=True)

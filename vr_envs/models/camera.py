@@ -25,7 +25,7 @@ from vr_envs.models.record import quantity
 
 MARGIN = 3.0  # pixels between a blob and the edge of the window it is looked for in
 _LARGEST_DEVIATE = 8.58  # no `normal_pair` is larger: sqrt(2 * 53 log 2) = 8.572
-_STREAM = 1 << 61  # draw of the episode's key that starts the camera's own sequences
+_STREAM = 3 << 61  # draw of the episode's key, apart from all others, that starts the camera's own sequences
 _CORNER = 0.7072  # pixels from the centre of a pixel to its corner, rounded up
 _SIDE = 1 << 15  # pixels are numbered on a sensor of 2 * _SIDE by 2 * _SIDE
 
