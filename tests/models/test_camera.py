@@ -223,7 +223,7 @@ def test_pixels_have_the_noise_and_the_eight_bits_they_should():
     assert image.mean() == pytest.approx(50.0, abs=4 * 6.0 / 200)
     assert image.std() == pytest.approx(math.sqrt(36.0 + 1.0 / 12.0), rel=4 / math.sqrt(2 * 40_000))
     assert np.array_equal(image, np.floor(image))
-    picture(1, 2, np.empty((0, 5)), Window(-100, -100, 200, 200), pack(Camera(noise=60.0)), image)
+    picture(1, 2, np.empty((0, 5)), Window(-100, -100, 200, 200), pack(Camera(noise=100.0)), image)
     assert image.min() == 0.0 and image.max() == 255.0
 
 
