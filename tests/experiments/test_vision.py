@@ -96,7 +96,7 @@ def test_experiment_finds_what_it_expects_and_draws(name):
     figure.canvas.draw()
 
 
-def test_regions_exposed_in_turn_shift_the_height_by_half_the_way(monkeypatch):
+def test_regions_exposed_in_turn_shift_the_height_by_half_the_way():
     """The mean of z now and z half a millisecond later, to the rounding of a noiseless camera."""
     track = vision._track(Rig(), Rig().views)
     shift = (track["in_turn"] - track["together"])[:, 2]
