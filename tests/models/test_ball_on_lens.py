@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 from tests.models.lens_reference import Reference
+from vr_envs.experiments.lens_orbit import period_one_start
+from vr_envs.experiments.lens_simulation import simulate
 from vr_envs.models.ball_on_lens import LOGGED, MAX_IMPACTS, Params, Spin, State, cycle, plano_concave, rebound
 from vr_envs.models.lens_flight import gap_at, surface_height
-from vr_envs.models.lens_orbit import period_one_start
-from vr_envs.models.lens_run import simulate
 from vr_envs.models.record import dtype_of, pack
 
 
@@ -266,26 +266,3 @@ def test_what_is_no_lens_is_refused():
         Params(ball_radius=0.1)
     with pytest.raises(ValueError, match="half_aperture = 0.1 m is not allowed"):
         Params(half_aperture=0.1)
-    with pytest.raises(ValueError, match="inside the lens"):
-        simulate(Params(), State(z=-0.001), 1)
-
-
-def test_a_run_knows_where_the_ball_is_at_any_time():
-    params = Params()
-    run = simulate(params, started(params, x=0.008, v=0.05), 30)
-    places = run.position(run.times)
-    assert np.allclose(places[:, 0], run.impacts["x"], rtol=0, atol=1e-15)
-    just_before = run.position(run.times - 1e-9)
-    assert np.abs(just_before - places).max() < 1e-9
-    end = run.position(np.array([30 * params.period, 30 * params.period + 1e-9]))
-    assert end[0] == pytest.approx([run.end["x"], run.end["y"], run.end["z"]], abs=1e-15)
-    assert np.isnan(end[1]).all()
-    start = run.position(np.array([0.0]))[0]
-    assert start == pytest.approx([run.start.x, run.start.y, run.start.z], abs=0)
-    assert run.lens_height(run.times) == pytest.approx(
-        run.impacts["z"] - surface_height_of(run, params.path_curvature), abs=1e-15
-    )
-
-
-def surface_height_of(run, curvature):
-    return np.array([surface_height(d, curvature) for d in np.hypot(run.impacts["x"], run.impacts["y"])])

@@ -10,32 +10,32 @@ neutral with the angle 2 cos(angle) = 2 - beta for 0 < beta < 4, unstable above.
 from __future__ import annotations
 
 import cmath
+import dataclasses
 import math
 
 import numpy as np
 
+from vr_envs.experiments.bounce import period_one_phase
+from vr_envs.models.ball_on_bar import Params as BarParams
 from vr_envs.models.ball_on_lens import Params, Spin, State
 from vr_envs.models.impact import collide
 from vr_envs.models.lens_flight import surface_height
 from vr_envs.models.record import pack
 
 
-def period_one_phase(params: Params) -> float:
-    """Phase (rad) of the lens at the stable impacts: cos(phase) = pi g (1 - alpha) / ((1 + alpha) acceleration).
-
-    Source: Luck and Mehta 1993.
+def impact_phase(params: Params) -> float:
+    """Phase (rad) of the lens at the impacts of the stable period one.
 
     Raises:
         ValueError: the lens moves too gently for a period one.
     """
-    alpha = params.restitution
-    least = math.pi * params.gravity * (1.0 - alpha) / (1.0 + alpha)
-    if not 0.0 < least <= params.acceleration:
-        raise ValueError(
-            f"acceleration = {params.acceleration} m/s^2 with restitution {alpha} gives no period one; "
-            f"give at least {least:g} m/s^2 and a restitution below 1"
-        )
-    return math.acos(least / params.acceleration)
+    bar = BarParams(gravity=params.gravity, restitution=params.restitution)
+    return period_one_phase(params.acceleration, 1, bar)
+
+
+def from_apex(params: Params) -> Params:
+    """The scene with the phase with which a cycle of the period one starts at the ball's highest point."""
+    return dataclasses.replace(params, phase=impact_phase(params) - math.pi)
 
 
 def period_one_start(params: Params, x: float = 0.0, y: float = 0.0, u: float = 0.0, v: float = 0.0) -> State:
@@ -43,7 +43,7 @@ def period_one_start(params: Params, x: float = 0.0, y: float = 0.0, u: float = 
 
     Away from the centre the vertical motion is that of the centre, raised by the lens's height under the last impact.
     """
-    phase = period_one_phase(params)
+    phase = impact_phase(params)
     since = ((params.phase - phase) / params.omega) % params.period
     half = 0.5 * params.gravity * params.period
     ground = surface_height(math.hypot(x - u * since, y - v * since), params.path_curvature)
@@ -97,7 +97,7 @@ def apex_swings(params: Params, x: complex, y: complex) -> tuple[complex, comple
         of the lens at the apex's place.
     """
     alpha, gravity, period, kappa = params.restitution, params.gravity, params.period, params.path_curvature
-    phase = period_one_phase(params)
+    phase = impact_phase(params)
     climb = params.omega * params.amplitude * math.cos(phase)
     decelerating = -params.acceleration * math.sin(phase)
     fall = gravity * period / (1.0 + alpha)

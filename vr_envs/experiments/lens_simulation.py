@@ -1,4 +1,15 @@
-"""A whole run of a ball on a lens: all its impacts, and where it is at any time."""
+"""The one simulation of the ball on a lens that notebooks and experiments use.
+
+    from vr_envs.experiments.lens_orbit import period_one_start
+    from vr_envs.experiments.lens_simulation import simulate
+    from vr_envs.models.ball_on_lens import Params, plano_concave
+
+    params = Params(frequency=30.0, curvature=plano_concave(0.15))
+    run = simulate(params, period_one_start(params, x=0.008, v=0.05), cycles=90)
+    run.impacts["x"], run.position(run.times + 0.01)
+
+SI units; frame and signs: `models/ball_on_lens.py`.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +19,7 @@ import numpy as np
 
 from vr_envs.models.ball_on_lens import LOGGED, MAX_IMPACTS, Params, Spin, State, cycle
 from vr_envs.models.lens_flight import gap_at
-from vr_envs.models.record import dtype_of, pack
+from vr_envs.models.record import checked, dtype_of, pack
 
 INSIDE = 1e-12  # m, by which a start may be inside the glass: rounding
 
@@ -63,14 +74,18 @@ def simulate(params: Params, start: State, cycles: int, spin: Spin | None = None
         spin: of a ball that grips.
 
     Raises:
-        ValueError: the ball does not start above the lens.
+        ValueError: the ball does not start above the lens, or a number is not allowed; the message names it.
     """
+    checked(Params, dataclasses.asdict(params), "params.")
+    checked(State, dataclasses.asdict(start), "start.")
+    if spin is not None:
+        checked(Spin, dataclasses.asdict(spin), "spin.")
     record, option = pack(params), None if spin is None else pack(spin)
     state = np.array([pack(start)], dtype_of(State))[0]
     gap, _ = gap_at(state, 0.0, record)
     if gap < -INSIDE:
         raise ValueError(
-            f"the ball starts {-gap:.3g} m inside the lens at x = {start.x:g}, y = {start.y:g}, z = {start.z:g} m; "
+            f"the ball starts about {-gap:.1g} m inside the lens at x = {start.x:g}, y = {start.y:g}, z = {start.z:g} m; "
             "raise z"
         )
     log = np.empty((MAX_IMPACTS + 1, len(LOGGED)))

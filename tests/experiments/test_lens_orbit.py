@@ -6,17 +6,18 @@ import math
 import numpy as np
 import pytest
 
-from vr_envs.models.ball_on_lens import Params, Spin, State, cycle
-from vr_envs.models.lens_flight import surface_height
-from vr_envs.models.lens_orbit import (
+from vr_envs.experiments.lens_orbit import (
     apex_swings,
+    from_apex,
     horizontal_map,
+    impact_phase,
     lens_strength,
-    period_one_phase,
     period_one_start,
     travel_frequency,
 )
-from vr_envs.models.lens_run import simulate
+from vr_envs.experiments.lens_simulation import simulate
+from vr_envs.models.ball_on_lens import Params, Spin, State, cycle
+from vr_envs.models.lens_flight import surface_height
 from vr_envs.models.record import dtype_of, pack
 
 
@@ -27,7 +28,7 @@ def lens_of(beta, restitution=0.8, **overrides):
     )
     kappa = beta / (params.gravity * params.period**2)
     params = dataclasses.replace(params, curvature=kappa / (1.0 + kappa * params.ball_radius))
-    return dataclasses.replace(params, phase=period_one_phase(params) - math.pi)
+    return from_apex(params)
 
 
 def exact_map(params, spin, size=1e-7):
@@ -103,8 +104,7 @@ def test_a_spinning_sphere_is_stable_up_to_a_little_more_than_four():
 
 
 def period_one_impacts(**overrides):
-    params = Params(**overrides)
-    params = dataclasses.replace(params, phase=period_one_phase(params) - math.pi)
+    params = from_apex(Params(**overrides))
     return params, simulate(params, period_one_start(params, 1e-4, 0.0, 0.0, 5e-4), 2000).impacts
 
 
@@ -141,5 +141,5 @@ def test_apex_heights_swing_as_the_second_order_theory_says(overrides):
 
 
 def test_too_gentle_a_lens_has_no_period_one():
-    with pytest.raises(ValueError, match="gives no period one"):
-        period_one_phase(Params(acceleration=1.0))
+    with pytest.raises(ValueError, match="needs a peak acceleration"):
+        impact_phase(Params(acceleration=1.0))
