@@ -85,8 +85,8 @@ def simulate(params: Params, start: State, cycles: int, spin: Spin | None = None
     gap, _ = gap_at(state, 0.0, record)
     if gap < -INSIDE:
         raise ValueError(
-            f"the ball starts about {-gap:.1g} m inside the lens at x = {start.x:g}, y = {start.y:g}, z = {start.z:g} m; "
-            "raise z"
+            f"the ball starts about {-gap:.1g} m inside the lens at x = {start.x:g}, y = {start.y:g}, z = {start.z:g} "
+            "m; raise z"
         )
     log = np.empty((MAX_IMPACTS + 1, len(LOGGED)))
     numbers, rows = [], [np.empty((0, len(LOGGED)))]
