@@ -95,7 +95,7 @@ class Blob(NamedTuple):
     """
 
     whole: bool
-    count: int
+    white: int
     column: float
     row: float
 
