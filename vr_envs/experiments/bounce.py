@@ -98,7 +98,7 @@ def orbit_residual(
     return (out - (1.0 + restitution) * push + restitution * back) / (gravity * 2.0 * math.pi / omega)
 
 
-def newton(function, guess: Sequence[float]) -> np.ndarray:
+def newton(function, guess: Sequence[float] | np.ndarray) -> np.ndarray:
     """Root of a smooth function R^n -> R^n near `guess`, by Newton's method with central differences.
 
     Raises:
@@ -115,7 +115,9 @@ def newton(function, guess: Sequence[float]) -> np.ndarray:
     raise ArithmeticError(f"no root found near {list(guess)}")
 
 
-def orbit_phases(guess: Sequence[float], counts: Sequence[int], acceleration: float, params: Params) -> np.ndarray:
+def orbit_phases(
+    guess: Sequence[float] | np.ndarray, counts: Sequence[int], acceleration: float, params: Params
+) -> np.ndarray:
     """Phases of the periodic orbit near `guess`, from the equations of motion alone."""
     args = counts, acceleration, params.restitution, params.gravity, z_omega(params)
     return newton(lambda phases: orbit_residual(phases, *args), guess)

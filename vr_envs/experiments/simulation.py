@@ -163,6 +163,19 @@ def _scan(states, motions, params, options, log, skip, kept, counts, follow):
                 break
 
 
+def flight_times(impacts: np.ndarray, params: Params) -> np.ndarray:
+    """Times (s) from each impact to the next along the last axis, rests included; one shorter than `impacts`."""
+    return np.diff(impacts["cycle"]) * params.period + np.diff(impacts["time"])
+
+
+def free_flights(impacts: np.ndarray, params: Params) -> np.ndarray:
+    """Whether the flight that impact i began ends at impact i + 1, along the last axis; else the ball rested."""
+    first, second = impacts[..., :-1], impacts[..., 1:]
+    t = flight_times(impacts, params)
+    reached = first["z"] + (first["w_out"] - 0.5 * params.gravity * t) * t
+    return np.abs(reached - second["z"]) <= 1e-9 * (np.abs(first["w_out"] * t) + np.abs(first["z"]))
+
+
 @dataclasses.dataclass(frozen=True)
 class Trace:
     """What happened in a run: `impacts` (dtype `IMPACT`), `samples` (`SAMPLE`), `final` state to go on from.
@@ -186,17 +199,13 @@ class Trace:
 
     @property
     def free(self) -> np.ndarray:
-        """(impacts - 1,) bool: whether impact i + 1 ends the flight that impact i began (else the ball rested)."""
-        first, second = self.impacts[:-1], self.impacts[1:]
-        t = self.flight_times
-        reached = first["z"] + (first["w_out"] - 0.5 * self.params.gravity * t) * t
-        scale = np.abs(first["w_out"] * t) + np.abs(first["z"])
-        return np.abs(reached - second["z"]) <= 1e-9 * scale
+        """(impacts - 1,) bool, see `free_flights`."""
+        return free_flights(self.impacts, self.params)
 
     @property
     def flight_times(self) -> np.ndarray:
-        """(impacts - 1,) s from each impact to the next, rests included."""
-        return np.diff(self.impacts["cycle"]) * self.params.period + np.diff(self.impacts["time"])
+        """(impacts - 1,) s, see `flight_times`."""
+        return flight_times(self.impacts, self.params)
 
     @property
     def apexes(self) -> np.ndarray:
@@ -280,7 +289,7 @@ def ball(
 def simulate(
     params: Params,
     motion: np.ndarray,
-    start: np.void,
+    start: np.void | np.ndarray,
     cycles: int,
     options: Mapping[str, Any] | None = None,
     sample_rate: float = 0.0,
@@ -291,7 +300,7 @@ def simulate(
         params: see `vr_envs.models.ball_on_bar.Params`.
         motion: (6,) phasors of the bar, or (cycles, 6) one row per cycle. Where the motion differs from that of the
             cycle before, or of `start`, the bar blends into it as `params.blend` says.
-        start: a record of `State`, see `ball`; not changed.
+        start: a record of `State`, see `ball`, or an array of one; not changed.
         cycles: how many; a lost ball ends the run earlier.
         options: name -> record of the class that `vr_envs.models.ball_on_bar.OPTIONS` gives for it.
         sample_rate: Hz; places of ball and bar at multiples of its period. 0: none.
