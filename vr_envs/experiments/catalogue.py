@@ -4,6 +4,11 @@ from __future__ import annotations
 
 from vr_envs.experiments.experiment import Experiment
 
+LENS = (
+    Experiment("lens-travel", "Fig 2.3, 2.4", "a ball travels round a concave lens as it bounces", "lens:travel"),
+    Experiment("lens-height", "Fig 2.5", "height of the ball, adjusted for the lens under it", "lens:height"),
+)
+
 VERTICAL = (
     Experiment("period-one", "Figs 3.1, 3.2, Table 3.1", "period one at 30 Hz", "period_figures:period_one"),
     Experiment("period-two", "Figs 3.3, 3.4, Table 3.2", "period two at 30 Hz", "period_figures:period_two"),
@@ -14,4 +19,4 @@ VERTICAL = (
     Experiment("period-two-m2", "Fig 3.7", "period two over four bar cycles at 20 Hz", "period_figures:period_two_m2"),
 )
 
-EXPERIMENTS: dict[str, Experiment] = {e.name: e for e in VERTICAL}
+EXPERIMENTS: dict[str, Experiment] = {e.name: e for e in (*LENS, *VERTICAL)}
