@@ -16,7 +16,12 @@ from vr_envs.experiments.lens_orbit import (
     travel_frequency,
 )
 from vr_envs.experiments.lens_simulation import simulate
+from vr_envs.experiments.simulation import ball, bar_motion
+from vr_envs.experiments.simulation import simulate as bar_simulate
+from vr_envs.models.ball_on_bar import Params as BarParams
 from vr_envs.models.ball_on_lens import Params, Spin, State, cycle
+from vr_envs.models.ball_options import Curve
+from vr_envs.models.ball_options import Spin as BarSpin
 from vr_envs.models.lens_flight import surface_height
 from vr_envs.models.record import dtype_of, pack
 
@@ -42,7 +47,7 @@ def exact_map(params, spin, size=1e-7):
         for sign in (1.0, -1.0):
             start = dataclasses.replace(period_one_start(params), **{name: sign * size / scale})
             state = np.array([pack(start)], dtype_of(State))[0]
-            cycle(state, record, option)
+            cycle(state, record, option, None)
             assert state["impacts"] == 1
             ends.append(np.array([state[n] for n in names]) * scales)
         columns.append((ends[0] - ends[1]) / (2.0 * size))
@@ -143,3 +148,22 @@ def test_apex_heights_swing_as_the_second_order_theory_says(overrides):
 def test_too_gentle_a_lens_has_no_period_one():
     with pytest.raises(ValueError, match="needs a peak acceleration"):
         impact_phase(Params(acceleration=1.0))
+
+
+@pytest.mark.parametrize("spin", [None, 0.4])
+def test_near_its_centre_the_lens_is_the_curved_bar(spin):
+    """Two models that share no search: a parabola of the same curvature in the plane, z at twice 15 Hz."""
+    bar_params = BarParams(frequency=15.0, restitution=0.75, tangential_loss=0.0)
+    motion = bar_motion(bar_params, z=8.0, z_phase=0.5)
+    lens_params = Params(phase=0.5)
+    options = {"curve": Curve(curvature=lens_params.path_curvature)}
+    if spin is not None:
+        options["spin"] = BarSpin(inertia_ratio=spin)
+    start = period_one_start(lens_params, x=1e-5, u=2e-5)
+    on_bar = bar_simulate(bar_params, motion, ball(motion, x=start.x, z=start.z, u=start.u, w=start.w), 30, options)
+    on_lens = simulate(lens_params, start, 60, None if spin is None else Spin(spin))
+    assert len(on_bar.impacts) == len(on_lens.times) == 60
+    # sphere and parabola differ by x^4 kappa^3 / 8, 1e-8 of the height at 10 micrometres
+    assert on_lens.times == pytest.approx(on_bar.seconds(on_bar.impacts), abs=1e-14)
+    assert on_lens.impacts["x"] == pytest.approx(on_bar.impacts["x"], abs=1e-11)
+    assert np.ptp(on_lens.impacts["x"]) > 1e-5

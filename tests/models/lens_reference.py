@@ -22,14 +22,14 @@ def along(a, b, scale):
 
 
 class Reference:
-    def __init__(self, params, state, inertia_ratio=None, digits=50):
+    def __init__(self, params, state, inertia_ratio=None, friction=None, digits=50):
         mp.mp.dps = digits
         names = ("gravity", "frequency", "acceleration", "phase", "restitution", "tangential_loss")
         p = {name: mp.mpf(float(getattr(params, name))) for name in names}
         self.omega = 2 * mp.pi * p["frequency"]
         self.period = 1 / p["frequency"]
         self.amplitude = p["acceleration"] / self.omega**2
-        self.p, self.inertia_ratio = p, inertia_ratio
+        self.p, self.inertia_ratio, self.friction = p, inertia_ratio, friction
         # the sphere on which the ball's centre moves; the side is +1 for a ball inside it
         radius = 1 / mp.mpf(params.curvature) - mp.mpf(params.ball_radius)
         self.radius, self.side = abs(radius), mp.sign(radius)
@@ -90,6 +90,11 @@ class Reference:
             k = mp.mpf(self.inertia_ratio)
             slip = along(tangent, cross(self.spin, normal), -1)
             impulse = [-k / (1 + k) * q for q in slip]
+            if self.friction is not None:
+                impulse = [(1 + mp.mpf(self.friction.restitution)) * q for q in impulse]
+                most = mp.mpf(self.friction.coefficient) * mp.sqrt(dot(jump, jump))
+                size = mp.sqrt(dot(impulse, impulse))
+                impulse = [min(1, most / size) * q for q in impulse]
             jump = along(jump, impulse, 1)
             self.spin = along(self.spin, cross(normal, impulse), -1 / k)
         self.velocity = along(self.velocity, jump, 1)

@@ -13,6 +13,7 @@ from tests.models.lens_reference import Reference
 from vr_envs.experiments.lens_orbit import period_one_start
 from vr_envs.experiments.lens_simulation import simulate
 from vr_envs.models.ball_on_lens import LOGGED, MAX_IMPACTS, Params, Spin, State, cycle, plano_concave, rebound
+from vr_envs.models.ball_options import Friction
 from vr_envs.models.lens_flight import gap_at, surface_height
 from vr_envs.models.record import dtype_of, pack
 
@@ -28,24 +29,33 @@ def started(params, spin_vector=(0.0, 0.0, 0.0), raised=0.0, **place):
 
 
 @pytest.mark.parametrize(
-    ("overrides", "spin", "start"),
+    ("overrides", "options", "start"),
     [
-        pytest.param({}, None, {"x": 0.008, "v": 0.05}, id="concave-frictionless"),
-        pytest.param({"frequency": 20.0, "phase": -1.0}, None, {"x": 0.01, "y": -0.004}, id="concave-twenty-hertz"),
-        pytest.param({"tangential_loss": 0.3}, None, {"x": 0.008, "v": 0.1}, id="concave-loss"),
-        pytest.param({}, Spin(), {"x": 0.01, "v": 0.08, "spin_vector": (0.02, -0.01, 0.3)}, id="concave-spin"),
-        pytest.param({"curvature": -1.0}, None, {"x": 1e-4, "v": 2e-4}, id="convex-frictionless"),
-        pytest.param({"curvature": -1.0}, Spin(2 / 3), {"x": 1e-4, "v": 2e-4}, id="convex-hollow-sphere"),
-        pytest.param({"acceleration": 10.0, "restitution": 0.68}, None, {"x": 0.01, "raised": 0.004}, id="transient"),
+        pytest.param({}, {}, {"x": 0.008, "v": 0.05}, id="concave-frictionless"),
+        pytest.param({"frequency": 20.0, "phase": -1.0}, {}, {"x": 0.01, "y": -0.004}, id="concave-twenty-hertz"),
+        pytest.param({"tangential_loss": 0.3}, {}, {"x": 0.008, "v": 0.1}, id="concave-loss"),
+        pytest.param(
+            {}, {"spin": Spin()}, {"x": 0.01, "v": 0.08, "spin_vector": (0.02, -0.01, 0.3)}, id="concave-spin"
+        ),
+        pytest.param(
+            {},
+            {"spin": Spin(), "friction": Friction(0.05, 0.3)},
+            {"x": 0.01, "v": 0.08, "spin_vector": (0.2, -0.1, 0.3)},
+            id="concave-slip-then-grip",
+        ),
+        pytest.param({"curvature": -1.0}, {}, {"x": 1e-4, "v": 2e-4}, id="convex-frictionless"),
+        pytest.param({"curvature": -1.0}, {"spin": Spin(2 / 3)}, {"x": 1e-4, "v": 2e-4}, id="convex-hollow-sphere"),
+        pytest.param({"acceleration": 10.0, "restitution": 0.68}, {}, {"x": 0.01, "raised": 0.004}, id="transient"),
     ],
 )
-def test_impact_times_match_fifty_digits(overrides, spin, start):
+def test_impact_times_match_fifty_digits(overrides, options, start):
     params = dataclasses.replace(Params(), **overrides)
     state = started(params, **start)
-    reference = Reference(params, state, None if spin is None else spin.inertia_ratio)
+    inertia_ratio = options["spin"].inertia_ratio if options else None
+    reference = Reference(params, state, inertia_ratio, options.get("friction"))
     for number in range(40):
         reference.cycle(number)
-    run = simulate(params, state, 40, spin)
+    run = simulate(params, state, 40, **options)
     assert not run.end["lost"]
     assert not run.end["fault"]
     assert len(run.cycle) == len(reference.impacts) >= 36
@@ -131,30 +141,54 @@ vectors = st.tuples(velocities, velocities, velocities)
 parts = st.floats(0.0, 1.0)
 
 
-@given(vectors, vectors, st.floats(0.0, 1.5), st.floats(-3.2, 3.2), parts, parts, st.none() | st.floats(0.01, 1.0))
-def test_an_impact_obeys_its_laws(velocity, spinning, slope, direction, restitution, loss, inertia_ratio):
+limits = st.none() | st.builds(Friction, st.floats(0.0, 2.0), parts)
+
+
+@given(
+    vectors,
+    vectors,
+    st.floats(0.0, 1.5),
+    st.floats(-3.2, 3.2),
+    parts,
+    parts,
+    st.none() | st.builds(Spin, st.floats(0.01, 1.0)),
+    limits,
+)
+def test_an_impact_obeys_its_laws(velocity, spinning, slope, direction, restitution, loss, spin, friction):
     normal = np.array([math.sin(slope) * math.cos(direction), math.sin(slope) * math.sin(direction), math.cos(slope)])
     velocity, spinning = np.array(velocity), np.array(spinning)
     if velocity @ normal > 0:
         velocity = -velocity
     params = pack(Params(restitution=restitution, tangential_loss=loss))
-    spin = None if inertia_ratio is None else pack(Spin(inertia_ratio))
-    after, spun, approach, leave = rebound(tuple(velocity), tuple(spinning), tuple(normal), params, spin)
+    after, spun, approach, leave = rebound(
+        tuple(velocity),
+        tuple(spinning),
+        tuple(normal),
+        params,
+        None if spin is None else pack(spin),
+        None if friction is None else pack(friction),
+    )
     after, spun = np.array(after), np.array(spun)
     assert approach == pytest.approx(velocity @ normal, abs=1e-14)
     assert leave == pytest.approx(after @ normal, abs=1e-14)
     assert leave == pytest.approx(-restitution * approach, abs=1e-14)
-    ratio = 0.0 if inertia_ratio is None else inertia_ratio
+    ratio = 0.0 if spin is None else spin.inertia_ratio
     before = velocity @ velocity + ratio * spinning @ spinning
     assert after @ after + ratio * spun @ spun <= before + 1e-13
-    if inertia_ratio is None:
-        tangent = velocity - approach * normal
-        assert after - leave * normal == pytest.approx((1 - loss) * tangent, abs=1e-14)
+    tangent, new_tangent = velocity - approach * normal, after - leave * normal
+    if friction is not None:
+        # the impulse along the surface is within the cone of friction
+        most = friction.coefficient * (leave - approach)
+        assert np.linalg.norm(new_tangent - tangent) <= most + 1e-13
+    if spin is None:
         assert np.array_equal(spun, spinning)
+        if friction is None:
+            assert new_tangent == pytest.approx((1 - loss) * tangent, abs=1e-14)
     else:
         about_contact = np.cross(normal, velocity) + ratio * spinning
         assert np.cross(normal, after) + ratio * spun == pytest.approx(about_contact, abs=1e-13)
-        assert after - leave * normal == pytest.approx(np.cross(spun, normal), abs=1e-13)  # no slip
+        if friction is None:
+            assert new_tangent == pytest.approx(np.cross(spun, normal), abs=1e-13)  # no slip
 
 
 @pytest.mark.parametrize("curvature", [plano_concave(0.15), 0.0, -20.0])
@@ -184,7 +218,7 @@ def test_no_first_impact_is_missed_by_grazing_launches(curvature, launches):
         start = State(x=x, y=y, z=h + params.amplitude * math.sin(params.phase), u=u, v=v, w=w)
         log = np.full((MAX_IMPACTS + 1, len(LOGGED)), np.nan)
         state = record(start)
-        cycle(state, pack(params), None, log)
+        cycle(state, pack(params), None, None, log)
 
         t = fine * params.period
         lens = params.amplitude * np.sin(params.omega * t + params.phase)
@@ -214,7 +248,7 @@ def test_the_ball_is_never_inside_the_glass(spin):
         state = record(State(x=x, y=y, z=0.01, u=rng.normal(0, 0.05), v=rng.normal(0, 0.05)))
         packed = pack(params)
         for _ in range(60):
-            cycle(state, packed, None if spin is None else pack(spin))
+            cycle(state, packed, None if spin is None else pack(spin), None)
             if state["lost"] or state["fault"]:
                 break
             assert gap_at(state, 0.0, packed)[0] > -1e-15

@@ -67,7 +67,7 @@ def horizontal_map(params: Params, spin: Spin | None = None) -> np.ndarray:
     record = None if spin is None else pack(spin)
     columns = []
     for x, u, sigma in np.eye(3):
-        _, tangent, rolling = collide(-1.0, u - fall * x, sigma, alpha, params.tangential_loss, record)
+        _, tangent, rolling = collide(-1.0, u - fall * x, sigma, alpha, params.tangential_loss, record, None)
         after = tangent - alpha * fall * x
         columns.append((x + after, after, rolling))
     size = 2 if spin is None else 3

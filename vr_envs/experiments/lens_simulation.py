@@ -18,6 +18,7 @@ import dataclasses
 import numpy as np
 
 from vr_envs.models.ball_on_lens import LOGGED, MAX_IMPACTS, Params, Spin, State, cycle
+from vr_envs.models.ball_options import Friction
 from vr_envs.models.lens_flight import gap_at
 from vr_envs.models.record import checked, dtype_of, pack
 
@@ -64,7 +65,9 @@ class Run:
         return p.amplitude * np.sin(p.omega * (times % p.period) + p.phase)
 
 
-def simulate(params: Params, start: State, cycles: int, spin: Spin | None = None) -> Run:
+def simulate(
+    params: Params, start: State, cycles: int, spin: Spin | None = None, friction: Friction | None = None
+) -> Run:
     """Let a ball bounce on a lens for a number of cycles, or until it is lost or in a fault.
 
     Args:
@@ -72,15 +75,17 @@ def simulate(params: Params, start: State, cycles: int, spin: Spin | None = None
         start: the ball at the start of the first cycle; see `lens_orbit.period_one_start`.
         cycles: of the lens.
         spin: of a ball that grips.
+        friction: the limit of the grip.
 
     Raises:
         ValueError: the ball does not start above the lens, or a number is not allowed; the message names it.
     """
     checked(Params, dataclasses.asdict(params), "params.")
     checked(State, dataclasses.asdict(start), "start.")
-    if spin is not None:
-        checked(Spin, dataclasses.asdict(spin), "spin.")
-    record, option = pack(params), None if spin is None else pack(spin)
+    for name, option in (("spin", spin), ("friction", friction)):
+        if option is not None:
+            checked(type(option), dataclasses.asdict(option), f"{name}.")
+    record, *options = (None if given is None else pack(given) for given in (params, spin, friction))
     state = np.array([pack(start)], dtype_of(State))[0]
     gap, _ = gap_at(state, 0.0, record)
     if gap < -INSIDE:
@@ -92,7 +97,7 @@ def simulate(params: Params, start: State, cycles: int, spin: Spin | None = None
     numbers, rows = [], [np.empty((0, len(LOGGED)))]
     for number in range(cycles):
         before = int(state["impacts"])
-        cycle(state, record, option, log)
+        cycle(state, record, *options, log)
         count = int(state["impacts"]) - before
         rows.append(log[np.arange(before, before + count) % len(log)])
         numbers += [number] * count

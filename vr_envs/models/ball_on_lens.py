@@ -126,7 +126,7 @@ def plano_concave(focal_length: float, refractive_index: float = 1.517) -> float
 
 
 @kernel
-def rebound(velocity, spin_velocity, normal, params, spin):
+def rebound(velocity, spin_velocity, normal, params, spin, friction):
     """Velocities after an impact in three dimensions.
 
     The impact is central, so its impulse stays in the plane of the normal and the slip: the law in that plane is
@@ -138,6 +138,7 @@ def rebound(velocity, spin_velocity, normal, params, spin):
         normal: unit normal from the lens to the ball.
         params: record of `Params`.
         spin: record of `Spin` or None.
+        friction: record of `Friction` or None: the limit of the grip.
 
     Returns:
         (velocity, spin_velocity, normal velocity before, and after the impact).
@@ -155,7 +156,7 @@ def rebound(velocity, spin_velocity, normal, params, spin):
         eu, ev, ew = eu / size, ev / size, ew / size
     tangent, rolling = tu * eu + tv * ev + tw * ew, cu * eu + cv * ev + cw * ew
     leave, new_tangent, new_rolling = collide(
-        approach, tangent, rolling, params.restitution, params.tangential_loss, spin
+        approach, tangent, rolling, params.restitution, params.tangential_loss, spin, friction
     )
     push, drag, twist = leave - approach, new_tangent - tangent, new_rolling - rolling
     velocity = (u + push * nx + drag * eu, v + push * ny + drag * ev, w + push * nz + drag * ew)
@@ -177,7 +178,7 @@ def _move(state, ds, gravity):
 
 
 @kernel
-def _impact(state, s, params, spin, log):
+def _impact(state, s, params, spin, friction, log):
     """The impact of a ball that touches the lens at time s; returns its normal velocity after it."""
     kappa = params.path_curvature
     distance = math.hypot(state.x, state.y)
@@ -197,6 +198,7 @@ def _impact(state, s, params, spin, log):
         (-kappa * state.x, -kappa * state.y, 1.0 - kappa * h),
         params,
         spin,
+        friction,
     )
     state.u, state.v, state.w = velocity[0], velocity[1], velocity[2] + climb
     state.spin_x, state.spin_y, state.spin_z = rolling
@@ -209,13 +211,14 @@ def _impact(state, s, params, spin, log):
 
 
 @kernel
-def cycle(state, params, spin, log=None):
+def cycle(state, params, spin, friction, log=None):
     """Move the ball by one cycle of the lens.
 
     Args:
         state: record of `State`, changed in place; a lost ball stays where it left the lens.
         params: record of `Params`.
         spin: record of `Spin` or None.
+        friction: record of `vr_envs.models.ball_options.Friction` or None.
         log: None, or an array (capacity, len(LOGGED)) that receives each impact, number i in row i modulo capacity.
     """
     if state.lost or state.fault:
@@ -235,7 +238,7 @@ def cycle(state, params, spin, log=None):
             rim = surface_height(edge, params.path_curvature)
             state.lost = math.hypot(state.x, state.y) > edge and h < rim  # it has fallen past the lens
             return
-        gap, rate = 0.0, _impact(state, s, params, spin, log)
+        gap, rate = 0.0, _impact(state, s, params, spin, friction, log)
         if state.lost or state.fault:
             return
     state.fault = True

@@ -12,8 +12,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from vr_envs.models.bar import cos_sin
 from vr_envs.models.jit import kernel
+from vr_envs.models.phasor import cos_sin
 from vr_envs.models.rest import UNDECIDED
 from vr_envs.models.root import MAX_MARCH, TIME_RESOLUTION, certified_step, converged
 
