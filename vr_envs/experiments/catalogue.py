@@ -17,6 +17,13 @@ VERTICAL = (
     ),
     Experiment("period-one-m2", "Fig 3.6", "period one over two bar cycles at 20 Hz", "period_figures:period_one_m2"),
     Experiment("period-two-m2", "Fig 3.7", "period two over four bar cycles at 20 Hz", "period_figures:period_two_m2"),
+    Experiment(
+        "restitution", "Section III.D", "restitution from the decay of a dropped ball", "restitution:restitution"
+    ),
+    Experiment("stability-bands", "Fig 3.11", "stable period one for m = 1 to 7", "stability_bands:stability_bands"),
+    Experiment(
+        "phase-portrait", "Fig 3.12", "impacts in the reduced phase space, and locking", "phase_portrait:phase_portrait"
+    ),
 )
 
 EXPERIMENTS: dict[str, Experiment] = {e.name: e for e in (*LENS, *VERTICAL)}
