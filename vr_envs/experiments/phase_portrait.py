@@ -18,7 +18,8 @@ import numpy as np
 from vr_envs.experiments.bounce import launches, scaled, vertical, z_omega, z_period
 from vr_envs.experiments.experiment import Finding, Outcome, Progress
 from vr_envs.experiments.look import BALL, FORMULA, FOUND, label
-from vr_envs.experiments.simulation import flight_times, free_flights, scan
+from vr_envs.experiments.simulation import scan
+from vr_envs.experiments.trace import flight_times, free_flights
 from vr_envs.models.ball_on_bar import Params
 
 if TYPE_CHECKING:

@@ -14,8 +14,10 @@ import numpy as np
 from vr_envs.experiments.camera_trace import Bounces, CameraTrace, as_seen, fitted
 from vr_envs.experiments.experiment import Finding, Outcome, Progress
 from vr_envs.experiments.look import BALL, FAINT, FORMULA, FOUND, label
-from vr_envs.experiments.simulation import Trace, ball, bar_motion, simulate
-from vr_envs.models.ball_on_bar import Params, Scatter
+from vr_envs.experiments.simulation import ball, bar_motion, simulate
+from vr_envs.experiments.trace import Trace
+from vr_envs.models.ball_on_bar import Params
+from vr_envs.models.ball_options import Scatter
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
