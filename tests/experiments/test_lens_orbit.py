@@ -19,9 +19,8 @@ from vr_envs.experiments.lens_simulation import simulate
 from vr_envs.experiments.simulation import ball, bar_motion
 from vr_envs.experiments.simulation import simulate as bar_simulate
 from vr_envs.models.ball_on_bar import Params as BarParams
-from vr_envs.models.ball_on_lens import Params, Spin, State, cycle
-from vr_envs.models.ball_options import Curve
-from vr_envs.models.ball_options import Spin as BarSpin
+from vr_envs.models.ball_on_lens import Params, State, cycle
+from vr_envs.models.ball_options import Curve, Spin
 from vr_envs.models.lens_flight import surface_height
 from vr_envs.models.record import dtype_of, pack
 
@@ -158,7 +157,7 @@ def test_near_its_centre_the_lens_is_the_curved_bar(spin):
     lens_params = Params(phase=0.5)
     options = {"curve": Curve(curvature=lens_params.path_curvature)}
     if spin is not None:
-        options["spin"] = BarSpin(inertia_ratio=spin)
+        options["spin"] = Spin(inertia_ratio=spin)
     start = period_one_start(lens_params, x=1e-5, u=2e-5)
     on_bar = bar_simulate(bar_params, motion, ball(motion, x=start.x, z=start.z, u=start.u, w=start.w), 30, options)
     on_lens = simulate(lens_params, start, 60, None if spin is None else Spin(spin))

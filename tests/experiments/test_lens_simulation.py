@@ -6,6 +6,7 @@ import pytest
 from vr_envs.experiments.lens_orbit import period_one_start
 from vr_envs.experiments.lens_simulation import simulate
 from vr_envs.models.ball_on_lens import Params, State
+from vr_envs.models.ball_options import Spin
 from vr_envs.models.lens_flight import surface_height
 
 
@@ -39,3 +40,8 @@ def test_a_scene_or_a_start_that_is_no_number_is_refused():
         simulate(Params(frequency=0.0), State(z=1e-3), 1)
     with pytest.raises(ValueError, match="start.u = nan is not allowed"):
         simulate(Params(), State(z=1e-3, u=float("nan")), 1)
+
+
+def test_two_radii_of_one_ball_are_refused():
+    with pytest.raises(ValueError, match="spin.radius = 0.002 m and params.ball_radius = 0.0025 m"):
+        simulate(Params(), State(z=1e-3), 1, Spin(radius=0.002))

@@ -20,7 +20,7 @@ from vr_envs.experiments.lens_track import (
     scene,
     true_apexes,
 )
-from vr_envs.models.ball_on_lens import Spin
+from vr_envs.models.ball_options import Spin
 
 
 def places_on_a_spiral(size, angle, n=80):

@@ -12,8 +12,8 @@ from scipy.optimize import brentq
 from tests.models.lens_reference import Reference
 from vr_envs.experiments.lens_orbit import period_one_start
 from vr_envs.experiments.lens_simulation import simulate
-from vr_envs.models.ball_on_lens import LOGGED, MAX_IMPACTS, Params, Spin, State, cycle, plano_concave, rebound
-from vr_envs.models.ball_options import Friction
+from vr_envs.models.ball_on_lens import LOGGED, MAX_IMPACTS, Params, State, cycle, plano_concave, rebound
+from vr_envs.models.ball_options import Friction, Spin
 from vr_envs.models.lens_flight import gap_at, surface_height
 from vr_envs.models.record import dtype_of, pack
 

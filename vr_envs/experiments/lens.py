@@ -30,7 +30,8 @@ from vr_envs.experiments.lens_track import (
 )
 from vr_envs.experiments.look import BALL, FAINT, FOUND, label
 from vr_envs.experiments.vision_rig import Rig, predicted_error
-from vr_envs.models.ball_on_lens import Params, Spin
+from vr_envs.models.ball_on_lens import Params
+from vr_envs.models.ball_options import Spin
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

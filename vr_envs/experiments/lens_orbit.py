@@ -17,7 +17,8 @@ import numpy as np
 
 from vr_envs.experiments.bounce import period_one_phase
 from vr_envs.models.ball_on_bar import Params as BarParams
-from vr_envs.models.ball_on_lens import Params, Spin, State
+from vr_envs.models.ball_on_lens import Params, State
+from vr_envs.models.ball_options import Spin
 from vr_envs.models.impact import collide
 from vr_envs.models.lens_flight import surface_height
 from vr_envs.models.record import pack

@@ -17,8 +17,8 @@ import dataclasses
 
 import numpy as np
 
-from vr_envs.models.ball_on_lens import LOGGED, MAX_IMPACTS, Params, Spin, State, cycle
-from vr_envs.models.ball_options import Friction
+from vr_envs.models.ball_on_lens import LOGGED, MAX_IMPACTS, Params, State, cycle
+from vr_envs.models.ball_options import Friction, Spin
 from vr_envs.models.lens_flight import gap_at
 from vr_envs.models.record import checked, dtype_of, pack
 
@@ -85,6 +85,11 @@ def simulate(
     for name, option in (("spin", spin), ("friction", friction)):
         if option is not None:
             checked(type(option), dataclasses.asdict(option), f"{name}.")
+    if spin is not None and spin.radius != params.ball_radius:
+        raise ValueError(
+            f"spin.radius = {spin.radius:g} m and params.ball_radius = {params.ball_radius:g} m; it is one ball: "
+            "give the same"
+        )
     record, *options = (None if given is None else pack(given) for given in (params, spin, friction))
     state = np.array([pack(start)], dtype_of(State))[0]
     gap, _ = gap_at(state, 0.0, record)

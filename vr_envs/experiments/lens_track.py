@@ -10,7 +10,8 @@ import numpy as np
 from vr_envs.experiments.lens_orbit import from_apex, lens_strength, period_one_start, travel_frequency
 from vr_envs.experiments.lens_simulation import Run, simulate
 from vr_envs.experiments.vision_rig import Rig, locate
-from vr_envs.models.ball_on_lens import Params, Spin, plano_concave
+from vr_envs.models.ball_on_lens import Params, plano_concave
+from vr_envs.models.ball_options import Spin
 from vr_envs.models.lens_flight import surface_height
 
 RATE = 2000.0 / 3.0  # Hz, images of the ball per second: 2000 Hz over three regions (Bell, section III)

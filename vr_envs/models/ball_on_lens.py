@@ -90,13 +90,6 @@ class Params:
 
 
 @dataclasses.dataclass(frozen=True)
-class Spin:
-    """Option: a ball that grips the lens, spins and rolls. Replaces `tangential_loss`."""
-
-    inertia_ratio: float = quantity(0.4, "", "I/(m R^2): 2/5 solid sphere, 2/3 hollow", low=0.0, high=1.0)
-
-
-@dataclasses.dataclass(frozen=True)
 class State:
     """The ball in flight at the start of a cycle. Place: its centre, from the path's lowest point at mean height."""
 
@@ -137,8 +130,8 @@ def rebound(velocity, spin_velocity, normal, params, spin, friction):
         spin_velocity: R times the ball's angular velocity, m/s, three components.
         normal: unit normal from the lens to the ball.
         params: record of `Params`.
-        spin: record of `Spin` or None.
-        friction: record of `Friction` or None: the limit of the grip.
+        spin: record of `vr_envs.models.ball_options.Spin` or None: the ball grips, which replaces `tangential_loss`.
+        friction: record of `vr_envs.models.ball_options.Friction` or None: the limit of the grip.
 
     Returns:
         (velocity, spin_velocity, normal velocity before, and after the impact).
@@ -217,8 +210,7 @@ def cycle(state, params, spin, friction, log=None):
     Args:
         state: record of `State`, changed in place; a lost ball stays where it left the lens.
         params: record of `Params`.
-        spin: record of `Spin` or None.
-        friction: record of `vr_envs.models.ball_options.Friction` or None.
+        spin, friction: as in `rebound`.
         log: None, or an array (capacity, len(LOGGED)) that receives each impact, number i in row i modulo capacity.
     """
     if state.lost or state.fault:
