@@ -4,6 +4,15 @@ from __future__ import annotations
 
 from vr_envs.experiments.experiment import Experiment
 
+VISION = (
+    Experiment("vision", "Figs 2.1, 2.2", "the vision system tracks ball and bar in space", "vision:run"),
+    Experiment("vision-error", "Section II", "error of the vision system over noise and pixels", "vision_error:run"),
+)
+LENS = (
+    Experiment("lens-travel", "Fig 2.3, 2.4", "a ball travels round a concave lens as it bounces", "lens:travel"),
+    Experiment("lens-height", "Fig 2.5", "height of the ball, adjusted for the lens under it", "lens:height"),
+)
+
 VERTICAL = (
     Experiment("period-one", "Figs 3.1, 3.2, Table 3.1", "period one at 30 Hz", "period_figures:period_one"),
     Experiment("period-two", "Figs 3.3, 3.4, Table 3.2", "period two at 30 Hz", "period_figures:period_two"),
@@ -22,4 +31,4 @@ VERTICAL = (
     ),
 )
 
-EXPERIMENTS: dict[str, Experiment] = {e.name: e for e in VERTICAL}
+EXPERIMENTS: dict[str, Experiment] = {e.name: e for e in (*VISION, *LENS, *VERTICAL)}
