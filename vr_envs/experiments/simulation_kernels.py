@@ -8,8 +8,7 @@ import numpy as np
 
 from vr_envs.models.ball_on_bar import LOGGED, MAX_EVENTS, interval
 from vr_envs.models.ball_options import OPTIONS
-from vr_envs.models.bar import frame_at
-from vr_envs.models.drive import base_cycle, piece_at
+from vr_envs.models.drive import bar_at, base_cycle
 from vr_envs.models.jit import kernel
 from vr_envs.models.surface import contact_at, gap_at
 
@@ -64,7 +63,7 @@ def _turned(z, rate, w):
 @kernel
 def _frame(s, begin, number, old, new, params, options):
     """The bar's frame at time s of base cycle `number`, in which it goes from `old` to `new` from `begin` on."""
-    return frame_at(piece_at(old, new, s, begin, number, params, options[_FREQUENCIES], options[_RAMP]), s)
+    return bar_at(old, new, s, begin, number, params, options[_FREQUENCIES], options[_RAMP])
 
 
 @kernel
