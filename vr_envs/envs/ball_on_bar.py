@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 
+from vr_envs.envs.ball_on_bar_engines import ENGINES
 from vr_envs.envs.base import BatchEnv, ScalarEnv
 from vr_envs.envs.scene import Scene
 from vr_envs.envs.task import Channel, Task
@@ -186,6 +187,7 @@ TASK = Task(
     metrics=_metrics,
     dt=_cycle,
     validate=_validate,
+    engines=ENGINES,
 )
 
 
