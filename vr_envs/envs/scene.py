@@ -20,9 +20,6 @@ if TYPE_CHECKING:
     from vr_envs.envs.task import Task
 
 
-EXACT = "exact"
-
-
 @dataclasses.dataclass(frozen=True)
 class Scene:
     """A resolved scene: `params` and one entry per option and per simulator (None when absent), as dataclass instances.
@@ -42,14 +39,15 @@ class Scene:
         """The records that kernels take: (params, options in kernel order)."""
         return pack(self.params), tuple(None if o is None else pack(o) for o in self.options.values())
 
+    @property
+    def added(self) -> dict[str, Any]:
+        """Options and simulators together."""
+        return {**self.options, **self.simulators}
+
     def as_dict(self) -> dict[str, Any]:
         """Every resolved value, JSON-able; `resolve(task, scene.as_dict())` gives the same scene."""
-        added = {**self.options, **self.simulators}
-        return {
-            "base": self.name,
-            **dataclasses.asdict(self.params),
-            **{name: None if record is None else dataclasses.asdict(record) for name, record in added.items()},
-        }
+        added = {k: None if o is None else dataclasses.asdict(o) for k, o in self.added.items()}
+        return {"base": self.name, **dataclasses.asdict(self.params), **added}
 
 
 def unknown_key(key: str, allowed: list[str], where: str) -> ValueError:
@@ -85,16 +83,15 @@ def _merge(task: Task, merged: dict[str, Any], overrides: Mapping[str, Any], whe
 
 def _choose_engine(task: Task, merged: dict[str, Any], engine: str | None) -> str:
     """The name of the engine in `merged`, after `engine` (if not None) has been put in place of what is there."""
-    allowed = [EXACT, *task.engines]
     if engine is not None:
-        if engine not in allowed:
-            raise ValueError(f"{task.name} has no engine {engine!r}; choose one of {', '.join(allowed)}")
+        if engine not in task.engine_names:
+            raise ValueError(f"{task.name} has no engine {engine!r}; choose one of {', '.join(task.engine_names)}")
         for name in task.engines:
             merged[name] = (merged.get(name) or {}) if name == engine else None
     present = [name for name in task.engines if merged.get(name) is not None]
     if len(present) > 1:
         raise ValueError(f"engines {' and '.join(present)} exclude each other; give one and set the other to null")
-    return present[0] if present else EXACT
+    return present[0] if present else task.engine_names[0]
 
 
 def _check_support(task: Task, scene: Scene) -> None:
@@ -105,7 +102,7 @@ def _check_support(task: Task, scene: Scene) -> None:
             if record is not None and name not in known:
                 raise ValueError(
                     f"engine {scene.engine!r} does not know the option {name!r} of {task.name}; it knows "
-                    f"{', '.join(known)}: set {name!r} to null, or use the engine {EXACT!r}"
+                    f"{', '.join(known)}: set {name!r} to null, or use the engine {task.engine_names[0]!r}"
                 )
 
 

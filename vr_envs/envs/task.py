@@ -59,6 +59,11 @@ class Task:
     engines: dict[str, type] = dataclasses.field(default_factory=dict)
 
     @property
+    def engine_names(self) -> tuple[str, ...]:
+        """Every engine, the exact one first."""
+        return ("exact", *self.engines)
+
+    @property
     def simulators(self) -> dict[str, type]:
         """The engines that are no option of the kernels."""
         return {name: cls for name, cls in self.engines.items() if name not in self.options}

@@ -1,6 +1,6 @@
 """Pictures of a ball on a bar: bar and ball from the side, the bar's phasors, and where the ball has been.
 
-Between two states the ball's path is the model's own: the cycle is run again up to each instant shown.
+Between two states the ball's path is that of the scene's engine: the cycle is run again up to each instant shown.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from vr_envs.envs.world import simulator_of
 from vr_envs.models.ball_on_bar import cycle, piece_at
 from vr_envs.models.bar import Frame, frame_at
 from vr_envs.render.base import Painter
@@ -62,6 +63,7 @@ class BallOnBarPainter(Painter):
     def __init__(self, scene: Scene, render_mode: str) -> None:
         """See `Painter`."""
         super().__init__(scene, render_mode)
+        self._simulator = simulator_of("ball_on_bar", scene)
         p = scene.params
         x_scale = 0.5 * (WIDTH - 4 * MARGIN) / p.half_length
         bounce = p.gravity * p.period**2 / 32.0  # height of a flight of half a base cycle
@@ -101,7 +103,10 @@ class BallOnBarPainter(Painter):
         for k in range(1, parts + 1):
             s = self.params["period"] * k / parts
             ball = before.copy()
-            cycle(ball, new, self.params, self.options["scatter"], self.options["spin"], None, s)
+            if self._simulator is None:
+                cycle(ball, new, self.params, self.options["scatter"], self.options["spin"], None, s)
+            else:
+                self._simulator.cycle(ball, new, s)
             bar = frame_at(piece_at(old, new, s, self.params), s)
             # the last time is exactly that of `after`
             yield Moment((int(before["steps"]) + k / parts) * self.params["period"], s, ball, bar)

@@ -29,8 +29,8 @@ import numpy as np
 import pymunk
 
 from vr_envs.envs.scene import Scene
-from vr_envs.models.bar import frame_at
 from vr_envs.models.ball_on_bar import demanded, piece_at
+from vr_envs.models.bar import frame_at
 from vr_envs.models.jit import kernel
 from vr_envs.models.noise import normal_pair
 
