@@ -13,10 +13,11 @@ everything but free flight is of first order in the step. What the space is made
 - Tangential law: friction large enough to grip always. A gripping ball of inertia ratio k loses k/(1 + k) of its
   slip. The loss c of a ball without spin is that of inertia ratio c/(1 - c) whose spin relative to the bar is
   forgotten before every contact.
-- Scatter: each contact that begins draws restitution and normal as an impact of the exact model does, by the same
-  key and counter; after its first step the contact has the smooth normal.
+- Impacts: contacts that begin faster than what the ball falls in a few steps; slower ones are a resting ball that
+  has lost touch for a step. Each draws restitution and normal as an impact of the exact model does, by the same key
+  and counter; after its first step the contact has the smooth normal.
 - Penetration: corrected within one step (collision bias 0), but for an overlap of what the ball falls in a few
-  steps (collision slop), so that a resting contact lasts. Chipmunk's own slop, 0.1, is meant for pixels.
+  steps (collision slop), where a resting contact lasts. Chipmunk's own slop, 0.1, is meant for pixels.
 - One contact with decoupled normal and tangent: the first iteration of the solver is exact.
 """
 
@@ -39,7 +40,7 @@ RADIUS = 0.0025  # m, of a ball without spin, whose size has no effect
 DEPTH = 0.05  # m, thickness of the bar, above what any step can penetrate
 REACH = 1e3  # length of the segment over that of the bar: a ball beyond the bar's end meets its plane and is lost
 MASSLESS = 1e-9  # inertia ratio in place of 0, which Chipmunk does not take
-SLOP = 4.0  # allowed overlap, as a multiple of gravity x step^2
+FEW = 4.0  # steps in which a resting ball may fall: they set the allowed overlap and the slowest impact
 BALL, BAR = 1, 2  # collision types
 
 
@@ -116,7 +117,7 @@ class _Bounces:
         self.space.gravity = 0.0, -p.gravity
         self.space.iterations = 1
         self.space.collision_bias = 0.0
-        self.space.collision_slop = SLOP * p.gravity * self.dt**2
+        self.space.collision_slop = FEW * p.gravity * self.dt**2
         self.bar = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
         self.bar.position, self.bar.angle = tuple(place[:2].tolist()), float(place[2])
         end, level = REACH * p.half_length, -self.radius - DEPTH
@@ -130,7 +131,8 @@ class _Bounces:
         circle.elasticity, circle.friction, circle.collision_type = p.restitution, simulator.friction, BALL
         self.space.add(self.bar, surface, self.ball, circle)
         self.space.on_collision(BALL, BAR, pre_solve=self._touch)
-        self.restitution = p.restitution
+        self.restitution = p.restitution  # of the contact that lasts
+        self.slowest = FEW * p.gravity * self.dt  # m/s
 
     def run(self, track: np.ndarray, steps: int) -> None:
         """Make the steps and write the record."""
@@ -157,27 +159,26 @@ class _Bounces:
             return
         if self.spin is None:
             ball.angular_velocity = self.bar.angular_velocity
-        deviation = 0.0
         if arbiter.is_first_contact:
-            if self.scatter is not None:
-                first, second = normal_pair(state["key"], state["impacts"] + 1)
-                self.restitution = min(1.0, max(0.0, self.mean + self.scatter.restitution * first))
-                deviation = self.scatter.normal * second
-            state["impacts"] += 1
+            contacts = arbiter.contact_point_set
+            approach = ball.velocity - self.bar.velocity_at_world_point(ball.position)
+            if approach.dot(contacts.normal) > self.slowest:
+                self._scatter(arbiter, contacts, approach)
+                state["impacts"] += 1
         if self.scatter is not None:
             arbiter.restitution = self.restitution
-        if deviation != 0.0:
-            self._deviate(arbiter, deviation)
 
-    def _deviate(self, arbiter: pymunk.Arbiter, angle: float) -> None:
-        """Turn the normal of a contact by `angle` (rad) about +y, unless the ball would not approach that surface."""
-        contacts = arbiter.contact_point_set
-        down = contacts.normal.rotated(-angle)  # from the ball to the bar
-        ball, bar = self.ball, self.bar
-        if down.dot(ball.velocity - bar.velocity_at_world_point(ball.position)) <= 0.0:
+    def _scatter(self, arbiter: pymunk.Arbiter, contacts: pymunk.ContactPointSet, approach: pymunk.Vec2d) -> None:
+        """Draw restitution and normal of an impact; `approach` is the ball's velocity relative to the bar."""
+        if self.scatter is None:
             return
+        first, second = normal_pair(self.state["key"], self.state["impacts"] + 1)
+        self.restitution = min(1.0, max(0.0, self.mean + self.scatter.restitution * first))
+        down = contacts.normal.rotated(-self.scatter.normal * second)  # from the ball to the bar
+        if approach.dot(down) <= 0.0:
+            return  # a grazing ball meets the smooth surface
         point = contacts.points[0]
-        point.point_a = ball.position + self.radius * down
+        point.point_a = self.ball.position + self.radius * down
         point.point_b = point.point_a + point.distance * down
         contacts.normal = down
         arbiter.contact_point_set = contacts
