@@ -78,6 +78,17 @@ def test_evaluate_prints_a_table_per_level_and_writes_json(toy, capsys, tmp_path
     assert list(reports[0]["policies"]) == ["cancel", "random"]
 
 
+def test_evaluate_with_another_engine(capsys, tmp_path):
+    out = tmp_path / "out.json"
+    scene = '{"rigid_body": {"step": 5e-4}}'
+    arguments = ["evaluate", "BallOnBar", "--scene", scene, "--scenarios", "2", "--policies", "bell-sink"]
+    assert main([*arguments, "--json", str(out)]) == 0
+    assert "scene bell with rigid_body, level nominal: 2 " in capsys.readouterr().out
+    assert json.loads(out.read_text())[0]["scene"]["rigid_body"] == {"step": 5e-4}
+    assert main([*arguments, "--engine", "exact"]) == 0
+    assert "scene bell, level nominal: 2 " in capsys.readouterr().out
+
+
 def test_evaluate_refuses_in_one_line(toy, capsys, tmp_path):
     assert "choose one of plain, biased, narrow" in refused(capsys, "evaluate", toy, "--scene", "moon")
     assert "did you mean 'push'?" in refused(capsys, "evaluate", toy, "--scene", '{"pusch": 1}')
@@ -85,6 +96,7 @@ def test_evaluate_refuses_in_one_line(toy, capsys, tmp_path):
     assert "not JSON" in refused(capsys, "evaluate", toy, "--scene", "{push: 11}")
     assert "choose among do-nothing" in refused(capsys, "evaluate", toy, "--policies", "best")
     assert "nominal, light, severe" in refused(capsys, "evaluate", toy, "--level", "hard")
+    assert "no engine 'rigid_body'; choose one of exact" in refused(capsys, "evaluate", toy, "--engine", "rigid_body")
     assert "at least 2" in refused(capsys, "evaluate", toy, "--scenarios", "1")
     assert "there is no folder" in refused(capsys, "evaluate", toy, "--json", str(tmp_path / "no" / "out.json"))
     assert "is a folder" in refused(capsys, "evaluate", toy, "--json", str(tmp_path))
