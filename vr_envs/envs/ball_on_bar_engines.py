@@ -15,7 +15,7 @@ class RigidBody:
     OPTIONS: ClassVar[tuple[str, ...]] = ("scatter", "spin")
 
     step: float = quantity(
-        2e-5, "s", "time step at most; a cycle is a whole number of equal steps", low=1e-6, high=5e-4
+        1e-4, "s", "time step at most; a cycle is a whole number of equal steps", low=1e-6, high=5e-4
     )
 
 
