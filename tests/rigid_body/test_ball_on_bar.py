@@ -8,9 +8,10 @@ import pytest
 
 from vr_envs.envs.ball_on_bar import TASK
 from vr_envs.envs.world import World
-from vr_envs.models.ball_on_bar import cycle, demanded, piece_at
+from vr_envs.models.ball_on_bar import interval
 from vr_envs.models.bar import frame_at
-from vr_envs.rigid_body.ball_on_bar import _Bounces, _track
+from vr_envs.models.drive import demanded, piece_at
+from vr_envs.rigid_body.ball_on_bar import Bounces
 
 STILL = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 AT_EASE = np.zeros(6)  # the bar moves up and down only
@@ -66,12 +67,13 @@ def test_free_flight_is_exact(step):
 def test_the_bar_is_where_its_motion_says_at_the_end_of_every_step():
     balls = world(1e-4)
     old, new = (demanded(action, balls.params) for action in (ASKEW, -ASKEW))
-    track = _track(old, new, balls.simulator.steps, balls.params)
     for steps in (1, 100, 333, balls.simulator.steps):
-        space = _Bounces(balls.simulator, balls.states[0].copy(), track[0])
-        space.run(track, steps)
+        state = balls.states[0].copy()
+        state["motion"] = old
+        space = Bounces(balls.simulator, state, new)
+        space.run(steps)
         s = steps * balls.simulator.dt
-        frame = frame_at(piece_at(old, new, s, balls.params), s)
+        frame = frame_at(piece_at(old, new, s, 0.0, 0, balls.params, None, None), s)
         assert np.allclose([*space.bar.position, -space.bar.angle], [frame.x[0], frame.z[0], frame.tilt[0]], 0, 1e-14)
 
 
@@ -167,12 +169,12 @@ def test_a_cycle_stopped_on_the_way_is_on_the_way():
     balls = world(2e-5)
     new = demanded(ASKEW, balls.params)
     whole, half = (moved(balls, ASKEW, 0, **next(starts(1))) for _ in range(2))
-    balls.simulator.cycle(half, new, 0.5 * balls.scene.params.period)
+    balls.simulator.interval(half, new, 0.5 * balls.scene.params.period)
     exact = world()
     part = moved(exact, ASKEW, 0, **next(starts(1)))
-    cycle(part, new, exact.params, *exact.options, None, 0.5 * exact.scene.params.period)
+    interval(part, new, exact.params, *exact.options, None, 0.5 * exact.scene.params.period)
     assert abs(half["x"] - part["x"]) < 1e-5 and abs(half["z"] - part["z"]) < 1e-5
-    balls.simulator.cycle(whole, new, balls.scene.params.period)
+    balls.simulator.interval(whole, new, balls.scene.params.period)
     assert whole.tobytes() == moved(world(2e-5), ASKEW, 1, **next(starts(1))).tobytes()
 
 

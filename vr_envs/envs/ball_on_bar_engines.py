@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from typing import ClassVar
 
+from vr_envs.models.ball_options import Textbook
 from vr_envs.models.record import quantity
 
 
@@ -12,12 +13,21 @@ from vr_envs.models.record import quantity
 class RigidBody:
     """Engine: Chipmunk bodies that move in fixed time steps, a kinematic bar and a circle (package pymunk)."""
 
-    OPTIONS: ClassVar[tuple[str, ...]] = ("scatter", "spin")
+    OPTIONS: ClassVar[tuple[str, ...]] = (
+        "scatter",
+        "spin",
+        "friction",
+        "softening",
+        "curve",
+        "frequencies",
+        "ramp",
+        "sensing",
+    )
 
     step: float = quantity(
-        1e-4, "s", "time step at most; a cycle is a whole number of equal steps", low=1e-6, high=5e-4
+        1e-4, "s", "time step at most; an interval is a whole number of equal steps", low=1e-6, high=5e-4
     )
 
 
-ENGINES: dict[str, type] = {"rigid_body": RigidBody}
+ENGINES: dict[str, type] = {"textbook": Textbook, "rigid_body": RigidBody}
 """The engines other than the exact one, name -> settings."""

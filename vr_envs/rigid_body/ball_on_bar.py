@@ -7,12 +7,14 @@ everything but free flight is of first order in the step. What the space is made
 - Free flight: Chipmunk moves with the velocity before it accelerates. Its velocity is taken as that in the middle
   of a step (leapfrog), which makes the parabola exact.
 - Bar: in each step it has the mean velocity of the exact motion, so it is where the motion says at every step's end.
-  A thick, long segment, so that nothing tunnels; its surface lies one radius of the ball below the path of the
-  ball's centre, which is what the motion of the bar describes.
+  It is made of facets, one if it is flat: thick segments, so that nothing tunnels, with their surface one radius of
+  the ball below the path of the ball's centre, which is what the motion of the bar and its curvature describe. The
+  ball meets the facet below it, with the normal of the curved surface there.
 - Restitution: Chipmunk multiplies the elasticities of two shapes; the bar's is 1.
-- Tangential law: friction large enough to grip always. A gripping ball of inertia ratio k loses k/(1 + k) of its
-  slip. The loss c of a ball without spin is that of inertia ratio c/(1 - c) whose spin relative to the bar is
-  forgotten before every contact.
+- Tangential law: friction, large enough to grip always or with the coefficient of the scene. A gripping ball of
+  inertia ratio k loses k/(1 + k) of its slip. The loss c of a ball without spin is that of inertia ratio c/(1 - c)
+  whose spin relative to the bar is forgotten before every contact. Tangential restitution is the velocity of a
+  conveyor belt, Chipmunk's surface velocity, that the slip is brought to.
 - Impacts: contacts that begin faster than what the ball falls in a few steps; slower ones are a resting ball that
   has lost touch for a step. Each draws restitution and normal as an impact of the exact model does, by the same key
   and counter; after its first step the contact has the smooth normal.
@@ -28,31 +30,59 @@ from typing import Any
 
 import numpy as np
 import pymunk
+from pymunk import Vec2d
 
 from vr_envs.envs.scene import Scene
-from vr_envs.models.ball_on_bar import demanded, piece_at
+from vr_envs.models.ball_on_bar import see
 from vr_envs.models.bar import frame_at
+from vr_envs.models.drive import base_cycle, demanded, piece_at
+from vr_envs.models.impact import softened
 from vr_envs.models.jit import kernel
 from vr_envs.models.noise import normal_pair
 
 GRIP = 1e9  # coefficient of friction of shapes that never slip
 RADIUS = 0.0025  # m, of a ball without spin, whose size has no effect
-DEPTH = 0.05  # m, thickness of the bar, above what any step can penetrate
-REACH = 1e3  # length of the segment over that of the bar: a ball beyond the bar's end meets its plane and is lost
+DEPTH = 0.05  # m, half the thickness of the bar, above what any step can penetrate
+REACH = 1e3  # where the bar's surface goes on to, in half lengths: a ball that meets it beyond the end is lost
+SAGITTA = 1e-6  # m, by which the middle of a facet is off the curved surface
 MASSLESS = 1e-9  # inertia ratio in place of 0, which Chipmunk does not take
 FEW = 4.0  # steps in which a resting ball may fall: they set the allowed overlap and the slowest impact
 BALL, BAR = 1, 2  # collision types
 
 
 @kernel
-def _track(old, new, n, params):
-    """Place (x, z) and Chipmunk's angle of the bar at n + 1 equally spaced times of a cycle, shape (n + 1, 3)."""
-    track = np.empty((n + 1, 3))
-    for k in range(n + 1):
-        s = params.period * k / n
-        frame = frame_at(piece_at(old, new, s, params), s)
+def track_of(old, new, steps, dt, intervals, params, frequencies, ramp):
+    """Place (x, z) and Chipmunk's angle of the bar at `steps` + 1 times `dt` apart, shape (steps + 1, 3).
+
+    They begin with control interval number `intervals`, in which the bar goes from the motion `old` to `new`.
+    """
+    number, begin = base_cycle(intervals, params)
+    track = np.empty((steps + 1, 3))
+    for k in range(steps + 1):
+        s = begin + k * dt
+        passed = int(s / params.period)
+        s -= passed * params.period
+        if passed == 0:
+            frame = frame_at(piece_at(old, new, s, begin, number, params, frequencies, ramp), s)
+        else:
+            frame = frame_at(piece_at(new, new, s, 0.0, number + passed, params, frequencies, ramp), s)
         track[k, 0], track[k, 1], track[k, 2] = frame.x[0], frame.z[0], -frame.tilt[0]
     return track
+
+
+def facets_of(half_length: float, curvature: float) -> np.ndarray:
+    """Corners of the path of the ball's centre in the bar's axes, shape (facets + 1, 2), m.
+
+    A curved bar goes on along its tangents beyond its ends.
+    """
+    end = half_length * REACH
+    if curvature == 0.0:
+        return np.array([[-end, 0.0], [end, 0.0]])
+    count = math.ceil(2.0 * half_length * math.sqrt(abs(curvature) / (8.0 * SAGITTA)))
+    along = np.linspace(-half_length, half_length, count + 1)
+    rise = 0.5 * curvature * half_length**2
+    beyond = rise + curvature * half_length * (end - half_length)
+    return np.array([[-end, beyond], *np.stack([along, 0.5 * curvature * along**2], axis=1), [end, beyond]])
 
 
 class BallOnBarSimulator:
@@ -64,124 +94,176 @@ class BallOnBarSimulator:
 
     def __init__(self, scene: Scene) -> None:
         """`scene` has the engine `rigid_body`."""
-        p = scene.params
         self.scene = scene
-        self.params, _ = scene.records()
-        self.steps = math.ceil(p.period / scene.simulators["rigid_body"].step - 1e-9)
-        self.dt = p.period / self.steps
-        spin, loss = scene.options["spin"], p.tangential_loss
+        self.params, options = scene.records()
+        self.options = dict(zip(scene.options, options, strict=True))
+        p = scene.params
+        self.span = p.hold * p.period
+        self.steps = math.ceil(self.span / scene.simulators["rigid_body"].step - 1e-9)
+        self.dt = self.span / self.steps
+        spin, friction, curve = (scene.options[name] for name in ("spin", "friction", "curve"))
         self.radius = RADIUS if spin is None else spin.radius
         if spin is not None:
             ratio = max(spin.inertia_ratio, MASSLESS)
         else:
-            ratio = loss / (1.0 - loss) if loss < 1.0 else math.inf
+            ratio = p.tangential_loss / (1.0 - p.tangential_loss) if p.tangential_loss < 1.0 else math.inf
         self.moment = ratio * self.radius**2 if ratio > 0.0 else math.inf
-        self.friction = GRIP if ratio > 0.0 else 0.0
+        grip = GRIP if friction is None else friction.coefficient
+        self.friction = grip if ratio > 0.0 else 0.0
+        self.curvature = 0.0 if curve is None else curve.curvature
+        self.facets = facets_of(p.half_length, self.curvature)
 
     def advance(self, state: np.void, action: np.ndarray) -> None:
-        """Move `state` in place by one base cycle while the bar goes to the motion that `action` asks for.
+        """Move `state` in place by one control interval while the bar goes to the motion that `action` asks for.
 
         Args:
             state: record of the task's `State`; a lost ball stays where it left the bar.
             action: six numbers in [-1, 1].
         """
-        self.cycle(state, demanded(action, self.params))
+        self.interval(state, demanded(action, self.params))
 
-    def cycle(self, state: np.void, new: tuple[float, ...], until: float | None = None) -> None:
-        """Move `state` by one base cycle, or to the step nearest to the time `until` (s) in it.
+    def interval(self, state: np.void, new: tuple[float, ...], until: float | None = None) -> None:
+        """Move `state` by one control interval, or to the step nearest to the time `until` (s) in it.
 
         Args:
             state: as for `advance`.
             new: the motion to which the bar goes, see `vr_envs.models.bar`.
-            until: None, or a time in the cycle.
+            until: None, or a time in the interval.
         """
-        if state["lost"] or state["fault"]:
-            return
-        old = tuple(state["motion"].tolist())
-        track = _track(old, new, self.steps, self.params)
-        _Bounces(self, state, track[0]).run(track, self.steps if until is None else round(until / self.dt))
+        if not (state["lost"] or state["fault"]):
+            steps = self.steps if until is None else round(until / self.dt)
+            Bounces(self, state, new).run(steps)
         state["motion"] = new
 
 
-class _Bounces:
+class Bounces:
     """The space of one control interval, and the record that it moves."""
 
-    def __init__(self, simulator: BallOnBarSimulator, state: np.void, place: np.ndarray) -> None:
-        p = simulator.scene.params
+    def __init__(self, simulator: BallOnBarSimulator, state: np.void, new: tuple[float, ...]) -> None:
+        """The ball of `state` over the bar as it is at the start of an interval in which it goes to `new`."""
+        p, options = simulator.scene.params, simulator.options
         self.state = state
-        self.dt = simulator.dt
-        self.half_length, self.gravity, self.mean = p.half_length, p.gravity, p.restitution
-        self.radius = simulator.radius
-        self.scatter, self.spin = (simulator.scene.options[name] for name in ("scatter", "spin"))
+        self.simulator = simulator
+        self.track = track_of(
+            tuple(state["motion"].tolist()), new, simulator.steps, simulator.dt, int(state["steps"]), simulator.params,
+            options["frequencies"], options["ramp"],
+        )  # fmt: skip
         self.space = pymunk.Space()
         self.space.gravity = 0.0, -p.gravity
         self.space.iterations = 1
         self.space.collision_bias = 0.0
-        self.space.collision_slop = FEW * p.gravity * self.dt**2
-        self.bar = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
-        self.bar.position, self.bar.angle = tuple(place[:2].tolist()), float(place[2])
-        end, level = REACH * p.half_length, -self.radius - DEPTH
-        surface = pymunk.Segment(self.bar, (-end, level), (end, level), DEPTH)
-        surface.elasticity, surface.friction, surface.collision_type = 1.0, 1.0, BAR
-        self.ball = pymunk.Body(1.0, simulator.moment)
-        self.ball.position = float(state["x"]), float(state["z"])
-        self.ball.velocity = float(state["u"]), float(state["w"]) - 0.5 * p.gravity * self.dt
-        self.ball.angular_velocity = -float(state["spin"]) / self.radius
-        circle = pymunk.Circle(self.ball, self.radius)
-        circle.elasticity, circle.friction, circle.collision_type = p.restitution, simulator.friction, BALL
-        self.space.add(self.bar, surface, self.ball, circle)
+        self.space.collision_slop = FEW * p.gravity * simulator.dt**2
+        self.slowest = FEW * p.gravity * simulator.dt  # m/s
+        self.alpha = self.restitution = p.restitution  # of the contact that lasts
+        self.step, self.touched = 0, -2  # the present step, and the last one with a contact
+        self.bar = self._build_bar()
+        self.ball = self._build_ball()
         self.space.on_collision(BALL, BAR, pre_solve=self._touch)
-        self.restitution = p.restitution  # of the contact that lasts
-        self.slowest = FEW * p.gravity * self.dt  # m/s
 
-    def run(self, track: np.ndarray, steps: int) -> None:
-        """Make the steps and write the record."""
-        space, bar, dt, state = self.space, self.bar, self.dt, self.state
-        for vx, vz, turn in (np.diff(track[: steps + 1], axis=0) / dt).tolist():
+    def _build_bar(self) -> pymunk.Body:
+        bar = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
+        bar.position, bar.angle = tuple(self.track[0, :2].tolist()), float(self.track[0, 2])
+        corners = [Vec2d(*corner) for corner in self.simulator.facets.tolist()]
+        shapes = []
+        self.ranges: dict[pymunk.Shape, tuple[float, float]] = {}
+        for left, right in zip(corners[:-1], corners[1:], strict=True):
+            down = -(right - left).perpendicular_normal() * (self.simulator.radius + DEPTH)
+            shape = pymunk.Segment(bar, left + down, right + down, DEPTH)
+            shape.elasticity, shape.friction, shape.collision_type = 1.0, 1.0, BAR
+            self.ranges[shape] = left.x, right.x
+            shapes.append(shape)
+        self.space.add(bar, *shapes)
+        return bar
+
+    def _build_ball(self) -> pymunk.Body:
+        simulator, state = self.simulator, self.state
+        p = simulator.scene.params
+        ball = pymunk.Body(1.0, simulator.moment)
+        ball.position = float(state["x"]), float(state["z"])
+        ball.velocity = float(state["u"]), float(state["w"]) - 0.5 * p.gravity * simulator.dt
+        ball.angular_velocity = -float(state["spin"]) / simulator.radius
+        circle = pymunk.Circle(ball, simulator.radius)
+        circle.elasticity, circle.friction, circle.collision_type = p.restitution, simulator.friction, BALL
+        self.space.add(ball, circle)
+        return ball
+
+    def run(self, steps: int) -> None:
+        """Make the first `steps` steps of the interval and write the record."""
+        space, bar, dt, state = self.space, self.bar, self.simulator.dt, self.state
+        sensing = self.simulator.scene.options["sensing"]
+        seen = -1 if sensing is None else round((self.simulator.span - sensing.delay) / dt)
+        for k, (vx, vz, turn) in enumerate((np.diff(self.track[: steps + 1], axis=0) / dt).tolist()):
+            if k == seen:
+                self._write()
+                see(state)
+            self.step = k
             bar.velocity = vx, vz
             bar.angular_velocity = turn
             space.step(dt)
             if state["lost"]:
                 break
-        state["x"], state["z"] = self.ball.position
-        state["u"], state["w"] = self.ball.velocity
-        state["w"] += 0.5 * self.gravity * dt
-        if self.spin is not None:
-            state["spin"] = -self.radius * self.ball.angular_velocity
+        self._write()
+        if self.step < seen:
+            see(state)
+
+    def _write(self) -> None:
+        state, ball, simulator = self.state, self.ball, self.simulator
+        state["x"], state["z"] = ball.position
+        state["u"], state["w"] = ball.velocity
+        state["w"] += 0.5 * simulator.scene.params.gravity * simulator.dt
+        if simulator.scene.options["spin"] is not None:
+            state["spin"] = -simulator.radius * ball.angular_velocity
         state["resting"], state["d"], state["rate"] = False, 0.0, 0.0
 
     def _touch(self, arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any) -> None:
-        """Before a contact is solved: is the ball still above the bar, and how does this impact scatter?"""
-        ball, state = self.ball, self.state
-        if abs(self.bar.world_to_local(ball.position).x) > self.half_length:
-            state["lost"] = True
-            arbiter.process_collision = False
+        """Before a contact is solved: which surface, restitution and slip does it have?"""
+        ball, bar, state, simulator = self.ball, self.bar, self.state, self.simulator
+        options = simulator.options
+        d = bar.world_to_local(ball.position).x
+        left, right = self.ranges[arbiter.shapes[1]]
+        state["lost"] = abs(d) > simulator.scene.params.half_length
+        arbiter.process_collision = left <= d < right and not state["lost"]
+        if not arbiter.process_collision:
             return
-        if self.spin is None:
-            ball.angular_velocity = self.bar.angular_velocity
-        if arbiter.is_first_contact:
-            contacts = arbiter.contact_point_set
-            approach = ball.velocity - self.bar.velocity_at_world_point(ball.position)
-            if approach.dot(contacts.normal) > self.slowest:
-                self._scatter(arbiter, contacts, approach)
+        begins = self.touched < self.step - 1
+        self.touched = self.step
+        if options["spin"] is None:
+            ball.angular_velocity = bar.angular_velocity
+        down = Vec2d(simulator.curvature * d, -1.0).normalized().rotated(bar.angle)  # from the ball to the bar
+        approach = ball.velocity - bar.velocity_at_world_point(ball.position)
+        speed = approach.dot(down)
+        if begins:
+            if speed > self.slowest:
+                down = self._scattered(down, approach)
                 state["impacts"] += 1
-        if self.scatter is not None:
-            arbiter.restitution = self.restitution
-
-    def _scatter(self, arbiter: pymunk.Arbiter, contacts: pymunk.ContactPointSet, approach: pymunk.Vec2d) -> None:
-        """Draw restitution and normal of an impact; `approach` is the ball's velocity relative to the bar."""
-        if self.scatter is None:
-            return
-        first, second = normal_pair(self.state["key"], self.state["impacts"] + 1)
-        self.restitution = min(1.0, max(0.0, self.mean + self.scatter.restitution * first))
-        down = contacts.normal.rotated(-self.scatter.normal * second)  # from the ball to the bar
-        if approach.dot(down) <= 0.0:
-            return  # a grazing ball meets the smooth surface
+            self.restitution = softened(self.alpha, speed, options["softening"])
+            if speed > self.slowest and options["friction"] is not None:
+                self._rebound(arbiter, approach, down)
+        arbiter.restitution = self.restitution
+        contacts = arbiter.contact_point_set
         point = contacts.points[0]
-        point.point_a = self.ball.position + self.radius * down
+        point.point_a = ball.position + simulator.radius * down
         point.point_b = point.point_a + point.distance * down
         contacts.normal = down
         arbiter.contact_point_set = contacts
+
+    def _scattered(self, down: Vec2d, approach: Vec2d) -> Vec2d:
+        """Draw restitution and normal of an impact on a surface with the normal `down`."""
+        scatter, state = self.simulator.scene.options["scatter"], self.state
+        if scatter is None:
+            return down
+        first, second = normal_pair(state["key"], state["impacts"] + 1)
+        mean = self.simulator.scene.params.restitution
+        self.alpha = min(1.0, max(0.0, mean + scatter.restitution * first))
+        turned = down.rotated(-scatter.normal * second)
+        return turned if approach.dot(turned) > 0.0 else down  # a grazing ball meets the smooth surface
+
+    def _rebound(self, arbiter: pymunk.Arbiter, approach: Vec2d, down: Vec2d) -> None:
+        """Tangential restitution: the slip of an impact is to be reversed in part."""
+        spun = (self.ball.angular_velocity - self.bar.angular_velocity) * self.simulator.radius * down
+        tangent = down.perpendicular()
+        slip = (approach + spun.perpendicular()).dot(tangent)
+        arbiter.surface_velocity = -self.simulator.scene.options["friction"].restitution * slip * tangent
 
 
 SIMULATOR = BallOnBarSimulator
