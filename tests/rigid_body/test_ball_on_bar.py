@@ -11,13 +11,27 @@ from vr_envs.envs.world import World
 from vr_envs.models.ball_on_bar import interval
 from vr_envs.models.bar import frame_at
 from vr_envs.models.drive import demanded, piece_at
-from vr_envs.rigid_body.ball_on_bar import Bounces
+from vr_envs.rigid_body.ball_on_bar import SAGITTA, Bounces
 
 STILL = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 AT_EASE = np.zeros(6)  # the bar moves up and down only
 ASKEW = np.array([0.4, 0.3, 0.5, -0.2, 0.1, 0.0])
-COMPARED = ("x", "z", "u", "w", "spin")
+COMPARED = ("x", "z", "u", "w", "spin", "seen")
 LAWS = [{}, {"tangential_loss": 0.0}, {"tangential_loss": 1.0}, {"spin": True}]
+SLIPPERY, REBOUNDING = {"coefficient": 0.03}, {"coefficient": 10.0, "restitution": 0.6}
+OTHERS = [
+    {"friction": SLIPPERY},
+    {"spin": True, "friction": SLIPPERY},
+    {"friction": REBOUNDING},
+    {"spin": True, "friction": REBOUNDING},
+    {"softening": {"speed": 0.2, "exponent": 0.5}},
+    {"curve": True, "spin": True},
+    {"curve": {"curvature": -20.0}},
+    {"frequencies": {"x": 1.5, "tilt": 0.7, "z": 2.2}},
+    {"hold": 0.5, "blend": 0.3},
+    {"hold": 2.0},
+    {"sensing": True},
+]
 
 
 def world(step=None, **scene):
@@ -36,6 +50,7 @@ def moved(world, action, cycles=1, **start):
             TASK.advance(state, action, world.params, *world.options)
         else:
             world.simulator.advance(state, action)
+        state["steps"] += 1
     return state.copy()
 
 
@@ -92,18 +107,21 @@ def test_restitution_is_the_scenes(restitution):
         assert abs(out["z"]) < 1e-9 and abs(out["w"]) < 1e-6
 
 
-@pytest.mark.parametrize("law", LAWS, ids=str)
-@pytest.mark.parametrize("action", [AT_EASE, ASKEW], ids=["level", "askew"])
-def test_the_error_of_one_cycle_is_of_first_order(law, action):
+@pytest.mark.parametrize(
+    ("law", "action"), [(law, AT_EASE) for law in LAWS] + [(law, ASKEW) for law in (*LAWS, *OTHERS)], ids=str
+)
+def test_the_error_of_one_interval_is_of_first_order(law, action):
     """Median over starts: where in a step an impact falls is a matter of chance, and grazing balls go their own way."""
     exact = [moved(world(**law), action, **start) for start in starts(32)]
     errors = []
     for step in (2e-4, 2e-5):
         found = [moved(world(step, **law), action, **start) for start in starts(32)]
-        errors.append([np.median([abs(a[k] - b[k]) for a, b in zip(found, exact, strict=True)]) for k in COMPARED])
+        errors.append(
+            [np.median([np.abs(a[k] - b[k]).max() for a, b in zip(found, exact, strict=True)]) for k in COMPARED]
+        )
     coarse, fine = np.array(errors)
     # an impact that is a step late: at the speeds (m/s) and accelerations (m/s^2) of the scene
-    assert (coarse < 2e-4 * np.array([0.5, 0.5, 10.0, 40.0, 10.0])).all(), coarse
+    assert (coarse < 2e-4 * np.array([0.5, 0.5, 10.0, 40.0, 10.0, 40.0])).all(), coarse
     felt = coarse > 1e-12  # a frictionless level bar does not touch x
     assert felt[[1, 3]].all()
     order = np.log10(coarse[felt] / fine[felt])
@@ -144,13 +162,13 @@ def test_impacts_scatter_as_in_the_exact_model():
     assert np.median(near) < 0.01 * np.median(far)
 
 
-@pytest.mark.parametrize("law", LAWS, ids=str)
+@pytest.mark.parametrize("law", [*LAWS, {"curve": True, "spin": True}, {"friction": {"coefficient": 1.0}}], ids=str)
 def test_a_ball_that_hardly_bounces_comes_to_rest_on_the_bar(law):
     start = {"x": 0.003, "z": 0.002, "motion": demanded(AT_EASE, world().params)}
     exact = moved(world(restitution=0.2, **law), 0.2 * ASKEW, 12, **start)
     found = moved(world(2e-5, restitution=0.2, **law), 0.2 * ASKEW, 12, **start)
     assert exact["resting"] and not exact["lost"]
-    assert abs(found["z"] - exact["z"]) < 1e-7
+    assert abs(found["z"] - exact["z"]) < (SAGITTA if "curve" in law else 1e-7)
     assert abs(found["x"] - exact["x"]) < 2e-5
     assert found["impacts"] < 12  # not one per step
 
@@ -162,6 +180,7 @@ def test_a_ball_that_passes_the_end_of_the_bar_is_lost_where_the_exact_one_is():
         assert exact["lost"] == found["lost"] == lost
         assert abs(found["x"] - exact["x"]) < 1e-5
     again = moved(world(2e-5), AT_EASE, 3, **{name: found[name] for name in found.dtype.names})
+    again["steps"] = found["steps"]
     assert again.tobytes() == found.tobytes()
 
 
@@ -175,6 +194,7 @@ def test_a_cycle_stopped_on_the_way_is_on_the_way():
     interval(part, new, exact.params, *exact.options, None, 0.5 * exact.scene.params.period)
     assert abs(half["x"] - part["x"]) < 1e-5 and abs(half["z"] - part["z"]) < 1e-5
     balls.simulator.interval(whole, new, balls.scene.params.period)
+    whole["steps"] += 1
     assert whole.tobytes() == moved(world(2e-5), ASKEW, 1, **next(starts(1))).tobytes()
 
 
