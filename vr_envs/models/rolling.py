@@ -76,14 +76,15 @@ def _roll_step(piece, s, h, d, rate, rim, direction, gravity, spin, friction, cu
         f = forces_at(frame_at(piece, s + _C[i] * h), gravity)
         along[i], across[i], turn[i], turning[i] = f
         pulls[i] = _pull(f, d, rate, direction, spin, friction, curve)
+    rates, places = _stages(pulls, h, d, rate)
     for _ in range(MAX_PICARD):
         moved = 0.0
-        rates, places = _stages(pulls, h, d, rate)
         for i in range(_STAGES):
             forces = Forces(along[i], across[i], turn[i], turning[i])
             pull = _pull(forces, places[i], rates[i], direction, spin, friction, curve)
             moved = max(moved, abs(pull - pulls[i]) - 1e-16 * abs(pull))
             pulls[i] = pull
+        rates, places = _stages(pulls, h, d, rate)
         if moved <= 0.0:
             break
     if friction is not None and spin is not None:
