@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 
+from vr_envs.envs.ball_on_bar_engines import ENGINES
 from vr_envs.envs.ball_on_bar_observation import observations, observe
 from vr_envs.envs.base import BatchEnv, ScalarEnv
 from vr_envs.envs.scene import Scene
@@ -159,6 +160,7 @@ TASK = Task(
     metrics=_metrics,
     dt=_interval,
     validate=_validate,
+    engines=ENGINES,
 )
 
 
@@ -214,6 +216,13 @@ class BallOnBarEnv(ScalarEnv):
     holds it), or a dict of
     overrides: parameters and the options `scatter` (`restitution`, `normal`) and `spin` (`inertia_ratio`, `radius`);
     `vr-envs list BallOnBar` prints all with units. `render_mode`: None, `"rgb_array"` or `"human"`.
+
+    `engine`, what moves the ball: `"exact"` (default), `"textbook"` (contacts found as in Bell's simulator: `samples`
+    of the gap per period of z, then a binary search) or `"rigid_body"` (the Chipmunk engine in fixed time steps of
+    `step`; one environment at a time, so not in `gym.make_vec` with the native batch). The settings are laid into the
+    scene, `scene={"rigid_body": {"step": 5e-5}}`, which chooses the engine too; `engine` takes its defaults where the
+    scene has none, and replaces another engine of the scene. With each of them a step follows from record and action
+    alone, so a saved state replays to the same bytes.
 
     ## Version History
     * v0: first version.

@@ -219,7 +219,11 @@ def grip_or_slip(piece, s, end, d, rate, rim, gravity, half_length, sticks, spin
                     free = middle
                 else:
                     h, after = middle, trial
-            if direction != 0.0 and direction * slip_of(frame_at(piece, s + h), *after, spin, curve) <= 0.0:
+            frame = frame_at(piece, s + h)
+            if direction == 0.0:
+                need = grip_force(forces_at(frame, gravity), after[0], after[1], inertia_ratio, radius, sticks, curve)
+                direction = -math.copysign(1.0, need)
+            elif direction * slip_of(frame, *after, spin, curve) <= 0.0:
                 direction = 0.0
         s = end if h == end - s else s + h
         d, rate, rim = after
