@@ -77,7 +77,7 @@ def test_samples_lie_on_the_flights_and_on_the_bar():
         {"curve": Curve(13.0)},
         {"frequencies": Frequencies(x=1.3, tilt=0.7, z=2.2)},
         {"ramp": Ramp(x_cos=0.3, tilt_sin=5.0, z_cos=0.5)},
-        {"spin": Spin(), "friction": Friction(0.5)},
+        {"spin": Spin(), "friction": Friction(0.1)},
     ],
     ids=lambda options: "-".join(options),
 )
