@@ -190,7 +190,12 @@ def test_support_is_minus_the_second_and_third_derivative_of_the_gap_in_flight(r
 @pytest.mark.parametrize("curve", [None, pack(Curve(13.3))])
 def test_support_of_a_carried_ball_is_its_own_derivative(curve):
     piece = Piece(
-        2 * math.pi * 15, 0.0, 1 / 30, (1e-3, 4e-4, 0.01, -0.006, 2e-4, 1e-4), (5e-4, 0, -0.008, 0.002, 1e-4, 0)
+        2 * math.pi * 15,
+        0.0,
+        1 / 30,
+        (1e-3, 4e-4, 0.01, -0.006, 2e-4, 1e-4),
+        (5e-4, 0, -0.008, 0.002, 1e-4, 0),
+        *PLAIN,
     )
     for s in (0.001, 0.012, 0.029):
         h = 1e-6

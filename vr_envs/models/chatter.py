@@ -7,7 +7,7 @@ import math
 from vr_envs.models.bar import frame_at
 from vr_envs.models.jit import kernel
 from vr_envs.models.rolling import STILL, inertia_of
-from vr_envs.models.support import flight_support, forces_at, gripping, pull_bound, support_curvature
+from vr_envs.models.support import flight_support, forces_at, gripping, normal_force, pull_bound, support_curvature
 from vr_envs.models.surface import steepness
 
 STEADY = 1e-3  # share by which the supporting force may change during a chatter that is summed in closed form
@@ -43,20 +43,23 @@ def settle(
     ball has come to rest.
     """
     d = contact.d
-    force, jerk = flight_support(frame, params.gravity, d, tangent, curve)
-    if force <= 0.0:
-        return s
-    inertia_ratio, radius = inertia_of(spin)
     opening, rate = normal * steepness(d, curve), tangent / steepness(d, curve)
+    force = normal_force(forces_at(frame, params.gravity), d, rate, curve)
     alpha = mean_restitution(params.restitution, scatter)
+    lost = 1.0 - alpha
+    if force <= 0.0 or 1.8 * opening > (end - s) * force * lost:  # most impacts: the chatter would not end in time
+        return s
+    _, jerk = flight_support(frame, params.gravity, d, tangent, curve)
+    inertia_ratio, radius = inertia_of(spin)
     wait = 0.0
     if normal > STILL:
-        lost = 1.0 - alpha
         wait = 2.0 * opening / (force * lost)
+        if not abs(jerk) * wait < STEADY * force:  # nan without losses
+            return s
         arm = inertia_ratio * radius
         pull = pull_bound(limits, params.gravity, params.half_length, abs(rate), arm, curve)
         curvature = support_curvature(limits, params.gravity, abs(d), abs(rate), pull, arm, curve)
-        if not (abs(jerk) + 0.5 * curvature * wait) * wait < STEADY * force:  # nan without losses
+        if not (abs(jerk) + 0.5 * curvature * wait) * wait < STEADY * force:
             return s
         if softening is not None:
             if softening.exponent * normal > _EVEN * lost * softening.speed:

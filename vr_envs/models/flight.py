@@ -7,7 +7,7 @@ import math
 from vr_envs.models.jit import kernel
 from vr_envs.models.root import MAX_MARCH, TIME_RESOLUTION, UNDECIDED, certified_step, converged
 from vr_envs.models.support import flight_support
-from vr_envs.models.surface import bend, contact_at, gap, gap_at, gap_bounds, opening
+from vr_envs.models.surface import bend, clear_level, contact_at, gap, gap_at, gap_bounds, high_flight, opening
 
 AIRBORNE, BOUNCED, RELEASED = 0, 1, 2  # how a flight begins
 _HALVINGS = 60  # of a sampling interval: below the resolution of time
@@ -68,6 +68,11 @@ def flight(piece, limits, tan, s, frame, end, x, z, u, w, gravity, contact, curv
         else:
             _, _, second = gap(piece, s, frame, 0.0, 0.0, rx, rz, u, w, gravity, curve)
         gap_0, ds = 0.0, certified_step(0.0, opening(at, frame, curve), second, jerk, curvature)
+    if contact != RELEASED:
+        level = clear_level(limits, tan, rx, rz, u, w, end - s, gravity, curve)
+        above, below = high_flight(z, w, level, gravity)
+        if above <= ds < below:
+            ds = below
     for _ in range(MAX_MARCH):
         if s + ds >= end:
             return False, end - s

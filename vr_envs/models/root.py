@@ -38,6 +38,9 @@ def certified_step(value, slope, second, jerk, curvature):
     alone would allow, the step for that bound is no longer than h, so it is certified; convergence is nearly cubic.
     Opening (second > 0): f >= value + slope h + second h^2/2 - jerk h^3/6, and f is convex up to second / jerk.
     """
+    if second < 0.0 and slope < 0.0:
+        # no step goes beyond the tangent's root, so that far is enough for the bound
+        return free_step(value, slope, min(curvature, -jerk * value / slope - second))
     step = free_step(value, slope, curvature)
     if second < 0.0:
         local = jerk * free_step(value, slope, -second) - second

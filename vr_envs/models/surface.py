@@ -141,13 +141,38 @@ def gap_bounds(limits, tan, rx, rz, u, w, remaining, gravity, curve):
         curvature = gravity + z.d2 + x.d2 * tan + 2.0 * speed * turn + reach * turning
         return curvature, z.d3 + x.d3 * tan + 3.0 * (x.d2 * turn + speed * turning) + reach * turning_rate
     else:
-        # p and q are products of a place from the bar's centre with an axis that turns
-        speed = abs(u) + abs(w) + gravity * remaining + x.d1 + z.d1
-        reach = abs(rx) + abs(rz) + speed * remaining
-        pull, jerk = gravity + x.d2 + z.d2, x.d3 + z.d3
+        # p and q are products of a place from the bar's centre with axes that turn, |sin(tilt)| <= tan
+        right_1, up_1 = abs(u) + x.d1, abs(w) + gravity * remaining + z.d1
+        right, up = abs(rx) + right_1 * remaining, abs(rz) + up_1 * remaining
+        right_2, up_2 = x.d2, gravity + z.d2
         axis_2, axis_3 = t.d2 + t.d1 * t.d1, t.d3 + 3.0 * t.d1 * t.d2 + t.d1 * t.d1 * t.d1
-        first = speed + reach * t.d1
-        second = pull + 2.0 * speed * t.d1 + reach * axis_2
-        third = jerk + 3.0 * pull * t.d1 + 3.0 * speed * axis_2 + reach * axis_3
+        p = right + up * tan
+        p_1 = right_1 + up_1 * tan + (up + right * tan) * t.d1
+        turned_2 = 2.0 * (right_1 + up_1) * t.d1 + (right + up) * axis_2
+        turned_3 = 3.0 * ((right_2 + up_2) * t.d1 + (right_1 + up_1) * axis_2) + (right + up) * axis_3
+        p_2, q_2 = right_2 + up_2 * tan + turned_2, up_2 + right_2 * tan + turned_2
+        p_3, q_3 = x.d3 + z.d3 * tan + turned_3, z.d3 + x.d3 * tan + turned_3
         k = abs(curve.curvature)
-        return second + k * (first * first + reach * second), third + k * (3.0 * first * second + reach * third)
+        return q_2 + k * (p_1 * p_1 + p * p_2), q_3 + k * (3.0 * p_1 * p_2 + p * p_3)
+
+
+@kernel
+def clear_level(limits, tan, rx, rz, u, w, remaining, gravity, curve):
+    """Height over the bar's mean height, m, above which no ball of this flight can touch the bar."""
+    x, _, z = limits
+    reach = abs(rx) + abs(u) * remaining + 2.0 * x.d0
+    if curve is None:
+        return z.d0 + reach * tan
+    else:
+        p = reach + (abs(rz) + (abs(w) + gravity * remaining) * remaining + 2.0 * z.d0) * tan
+        return z.d0 + (reach * tan + max(0.0, 0.5 * curve.curvature) * p * p) * (1.0 + tan * tan)
+
+
+@kernel
+def high_flight(z, w, level, gravity):
+    """The times between which a ball flies above a height, s; the first is infinite if it never does."""
+    room = w * w - 2.0 * gravity * (level - z)
+    if room <= 0.0:
+        return math.inf, math.inf
+    root = math.sqrt(room)
+    return (w - root) / gravity, (w + root) / gravity
