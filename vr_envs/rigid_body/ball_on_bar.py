@@ -34,8 +34,7 @@ from pymunk import Vec2d
 
 from vr_envs.envs.scene import Scene
 from vr_envs.models.ball_on_bar import see
-from vr_envs.models.bar import frame_at
-from vr_envs.models.drive import base_cycle, demanded, piece_at
+from vr_envs.models.drive import bar_at, base_cycle, demanded
 from vr_envs.models.impact import softened
 from vr_envs.models.jit import kernel
 from vr_envs.models.noise import normal_pair
@@ -63,9 +62,9 @@ def track_of(old, new, steps, dt, intervals, params, frequencies, ramp):
         passed = int(s / params.period)
         s -= passed * params.period
         if passed == 0:
-            frame = frame_at(piece_at(old, new, s, begin, number, params, frequencies, ramp), s)
+            frame = bar_at(old, new, s, begin, number, params, frequencies, ramp)
         else:
-            frame = frame_at(piece_at(new, new, s, 0.0, number + passed, params, frequencies, ramp), s)
+            frame = bar_at(new, new, s, 0.0, number + passed, params, frequencies, ramp)
         track[k, 0], track[k, 1], track[k, 2] = frame.x[0], frame.z[0], -frame.tilt[0]
     return track
 
