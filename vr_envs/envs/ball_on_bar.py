@@ -14,8 +14,9 @@ from vr_envs.envs.scene import Scene
 from vr_envs.envs.task import Channel, Task
 from vr_envs.models.ball_on_bar import Params as BarParams
 from vr_envs.models.ball_on_bar import State as BallState
-from vr_envs.models.ball_on_bar import advance, see
+from vr_envs.models.ball_on_bar import advance
 from vr_envs.models.ball_options import OPTIONS
+from vr_envs.models.ball_sensors import ages_of, sense_start
 from vr_envs.models.jit import kernel
 from vr_envs.models.noise import uniform
 from vr_envs.models.record import quantity
@@ -43,7 +44,7 @@ class State(BallState):
 
 
 @kernel
-def start(state, params, scatter, spin, friction, softening, curve, *_others):
+def start(state, params, scatter, spin, friction, softening, curve, frequencies, ramp, sensing, camera, textbook):
     """Ball displaced along the bar, on the vertical period-one orbit of the bar's motion at action 0.
 
     Impacts happen at the phase phi of sin(2 omega t + pi/2) with cos(phi) = pi g (1 - alpha)/(1 + alpha)/Acc; below
@@ -61,7 +62,7 @@ def start(state, params, scatter, spin, friction, softening, curve, *_others):
     state.motion[4] = params.z_centre
     if curve is not None:
         state.z += 0.5 * curve.curvature * state.x * state.x
-    see(state)
+    sense_start(state, params.gravity, sensing, camera)
 
 
 @kernel
@@ -123,15 +124,19 @@ def _validate(scene: Scene) -> None:
         raise ValueError(f"hold = {p.hold:g} cycles; give 0.5 or a whole number")
     if p.blend > p.hold:
         raise ValueError(f"blend = {p.blend:g} is longer than hold = {p.hold:g}; give blend <= hold")
-    curve, sensing = scene.options["curve"], scene.options["sensing"]
+    curve = scene.options["curve"]
     if curve is not None and abs(curve.curvature) * p.half_length > 1.0:
         raise ValueError(
             f"curve.curvature = {curve.curvature:g} 1/m at half_length = {p.half_length:g} m is steeper than 45 "
             f"degrees; give at most {1.0 / p.half_length:.4g} 1/m"
         )
     longest = min(1.0, p.hold) * p.period
-    if sensing is not None and sensing.delay > longest:
-        raise ValueError(f"sensing.delay = {sensing.delay:g} s; give at most {longest:.4g} s, a cycle or interval")
+    age, _ = ages_of.py_func(scene.options["sensing"], scene.options["camera"])
+    if age > longest:
+        raise ValueError(
+            f"{scene.observation} looks {age:.4g} s before the observation; give a delay (or a latency and the time "
+            f"between two frames) of at most {longest:.4g} s, the last base cycle or the interval"
+        )
 
 
 TASK = Task(
@@ -161,6 +166,7 @@ TASK = Task(
     dt=_interval,
     validate=_validate,
     engines=ENGINES,
+    sensors=("sensing", "camera"),
 )
 
 

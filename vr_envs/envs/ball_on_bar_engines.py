@@ -22,6 +22,7 @@ class RigidBody:
         "frequencies",
         "ramp",
         "sensing",
+        "camera",
     )
 
     step: float = quantity(

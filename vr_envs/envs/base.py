@@ -32,11 +32,12 @@ class ScalarEnv(gym.Env[np.ndarray, np.ndarray]):
         scene: str | Mapping[str, Any] | None = None,
         render_mode: str | None = None,
         engine: str | None = None,
+        observation: str | None = None,
     ) -> None:
-        """See the class for scenes and engines; `render_mode` is None, "rgb_array" or "human"."""
+        """See the class for scenes, engines and observations; `render_mode` is None, "rgb_array" or "human"."""
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
             raise ValueError(f"render_mode = {render_mode!r}; choose one of {self.metadata['render_modes']} or None")
-        self.world = World(self.task, scene, 1, engine)
+        self.world = World(self.task, scene, 1, engine=engine, observation=observation)
         self.observation_space = self.world.observation_space
         self.action_space = self.world.action_space
         self.render_mode = render_mode
@@ -148,8 +149,9 @@ class BatchEnv(gym.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
         render_mode: str | None = None,
         engine: str | None = None,
+        observation: str | None = None,
     ) -> None:
-        """See the scalar class for scenes and engines.
+        """See the scalar class for scenes, engines and observations.
 
         Args:
             num_envs: number of rows, at least 1.
@@ -158,6 +160,7 @@ class BatchEnv(gym.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
             autoreset_mode: a member of AutoresetMode, its name ("NEXT_STEP") or its value ("NextStep").
             render_mode: None; a batch draws no pictures.
             engine: one that moves its states in kernels.
+            observation: "state" or a sensor.
         """
         if isinstance(num_envs, bool) or not isinstance(num_envs, int | np.integer) or num_envs < 1:
             raise ValueError(f"num_envs = {num_envs!r}; give a whole number of at least 1")
@@ -170,7 +173,7 @@ class BatchEnv(gym.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         self.autoreset_mode = _autoreset_mode(autoreset_mode)
         self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode}
         self.num_envs = int(num_envs)
-        self.world = World(self.task, scene, self.num_envs, engine)
+        self.world = World(self.task, scene, self.num_envs, engine=engine, observation=observation)
         if self.world.simulator is not None:
             raise ValueError(
                 f"engine {self.engine!r} moves one environment at a time, a native batch of it would be no faster; use "

@@ -32,6 +32,7 @@ class Scene:
     options: dict[str, Any]
     simulators: dict[str, Any]
     engine: str
+    observation: str
     label: str
     """The preset's name, and what differs from the preset."""
 
@@ -81,17 +82,20 @@ def _merge(task: Task, merged: dict[str, Any], overrides: Mapping[str, Any], whe
             raise ValueError(f"{where}: option {key!r} = {value!r}; give null, true or a dict of its fields")
 
 
-def _choose_engine(task: Task, merged: dict[str, Any], engine: str | None) -> str:
-    """The name of the engine in `merged`, after `engine` (if not None) has been put in place of what is there."""
-    if engine is not None:
-        if engine not in task.engine_names:
-            raise ValueError(f"{task.name} has no engine {engine!r}; choose one of {', '.join(task.engine_names)}")
-        for name in task.engines:
-            merged[name] = (merged.get(name) or {}) if name == engine else None
-    present = [name for name in task.engines if merged.get(name) is not None]
+def _choose(kind: str, given: str | None, names: tuple[str, ...], merged: dict[str, Any], task: Task) -> str:
+    """Which of the `names` of a kind ("engine", "observation") is in `merged`; the first needs no entry.
+
+    `given`, if not None, is put in place of what is there.
+    """
+    if given is not None:
+        if given not in names:
+            raise ValueError(f"{task.name} has no {kind} {given!r}; choose one of {', '.join(names)}")
+        for name in names[1:]:
+            merged[name] = (merged.get(name) or {}) if name == given else None
+    present = [name for name in names[1:] if merged.get(name) is not None]
     if len(present) > 1:
-        raise ValueError(f"engines {' and '.join(present)} exclude each other; give one and set the other to null")
-    return present[0] if present else task.engine_names[0]
+        raise ValueError(f"{' and '.join(present)} exclude each other; give one and set the other to null")
+    return present[0] if present else names[0]
 
 
 def _check_support(task: Task, scene: Scene) -> None:
@@ -106,16 +110,23 @@ def _check_support(task: Task, scene: Scene) -> None:
                 )
 
 
-def resolve(task: Task, scene: str | Mapping[str, Any] | None = None, engine: str | None = None) -> Scene:
+def resolve(
+    task: Task,
+    scene: str | Mapping[str, Any] | None = None,
+    engine: str | None = None,
+    observation: str | None = None,
+) -> Scene:
     """Resolve and check a scene of `task`; None is the task's default preset.
 
     Args:
         task: whose scene it is.
         scene: a preset's name or a dict of overrides.
         engine: a name, in place of the engine that the scene has; settings that the scene has for it stay.
+        observation: "state" or a sensor's name, likewise.
 
     Raises:
-        ValueError: unknown preset, key or engine, wrong type, non-finite or out-of-range value; it names all three.
+        ValueError: unknown name (of a preset, key, engine or observation), wrong type, non-finite or out-of-range value;
+            it names what was given and what is allowed.
     """
     overrides: Mapping[str, Any] = {} if scene is None or isinstance(scene, str) else scene
     if not isinstance(overrides, Mapping):
@@ -126,7 +137,8 @@ def resolve(task: Task, scene: str | Mapping[str, Any] | None = None, engine: st
     merged: dict[str, Any] = {}
     _merge(task, merged, task.scenes[base], f"preset {base!r}")
     _merge(task, merged, overrides, f"scene of {task.name}")
-    chosen = _choose_engine(task, merged, engine)
+    engine_name = _choose("engine", engine, task.engine_names, merged, task)
+    observed = _choose("observation", observation, task.observation_names, merged, task)
     added: dict[str, Any] = {}
     for name, cls in task.additions.items():
         values = merged.pop(name, None)
@@ -137,10 +149,10 @@ def resolve(task: Task, scene: str | Mapping[str, Any] | None = None, engine: st
         added[name] = None if values is None else checked(cls, values, f"{name}.")
     options = {name: added[name] for name in task.options}
     simulators = {name: added[name] for name in task.simulators}
-    resolved = Scene(base, checked(task.params, merged, ""), options, simulators, chosen, base)
+    resolved = Scene(base, checked(task.params, merged, ""), options, simulators, engine_name, observed, base)
     task.validate(resolved)
     _check_support(task, resolved)
-    if engine is None and (scene is None or isinstance(scene, str)):
+    if engine is None and observation is None and (scene is None or isinstance(scene, str)):
         return resolved
     return dataclasses.replace(resolved, label=_label(resolved, resolve(task, base)))
 

@@ -37,7 +37,8 @@ class Task:
 
     `engines` are the ways of moving a state other than the exact one, name -> record of settings. One that is also
     an option of the kernels is theirs; another stands in place of `advance`, in `vr_envs.<engine>.<task name>`, and
-    its record names in the class attribute `OPTIONS` the options that it knows.
+    its record names in the class attribute `OPTIONS` the options that it knows. `sensors` are the options by which
+    the state is observed otherwise than as it is; they exclude each other.
     """
 
     name: str
@@ -57,11 +58,17 @@ class Task:
     dt: Callable[[Scene], float]
     validate: Callable[[Scene], None] = _accept
     engines: dict[str, type] = dataclasses.field(default_factory=dict)
+    sensors: tuple[str, ...] = ()
 
     @property
     def engine_names(self) -> tuple[str, ...]:
         """Every engine, the exact one first."""
         return ("exact", *self.engines)
+
+    @property
+    def observation_names(self) -> tuple[str, ...]:
+        """Every way of observing the state, as it is first."""
+        return ("state", *self.sensors)
 
     @property
     def simulators(self) -> dict[str, type]:

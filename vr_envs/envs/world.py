@@ -43,10 +43,10 @@ def simulator_of(task_name: str, scene: Scene) -> Any:
 class World:
     """`n` records of one task in one scene, and the kernels that move them."""
 
-    def __init__(self, task: Task, scene: str | Mapping[str, Any] | None, n: int, engine: str | None = None) -> None:
-        """`n` zeroed records of `task` in `scene`; `engine` as for `resolve`."""
+    def __init__(self, task: Task, scene: str | Mapping[str, Any] | None, n: int, **choices: str | None) -> None:
+        """`n` zeroed records of `task` in `scene`; `choices` (engine, observation) as for `resolve`."""
         self.task = task
-        self.scene = resolve(task, scene, engine)
+        self.scene = resolve(task, scene, **choices)
         self.params, self.options = self.scene.records()
         self.simulator = simulator_of(task.name, self.scene)
         self.rows = rows_of(task, simulated=self.simulator is not None)

@@ -33,7 +33,7 @@ import pymunk
 from pymunk import Vec2d
 
 from vr_envs.envs.scene import Scene
-from vr_envs.models.ball_on_bar import see
+from vr_envs.models.ball_sensors import ages_of, sense
 from vr_envs.models.drive import bar_at, base_cycle, demanded
 from vr_envs.models.impact import softened
 from vr_envs.models.jit import kernel
@@ -189,12 +189,17 @@ class Bounces:
     def run(self, steps: int) -> None:
         """Make the first `steps` steps of the interval and write the record."""
         space, bar, dt, state = self.space, self.bar, self.simulator.dt, self.state
-        sensing = self.simulator.scene.options["sensing"]
-        seen = -1 if sensing is None else round((self.simulator.span - sensing.delay) / dt)
+        sensing, camera = (self.simulator.options[name] for name in ("sensing", "camera"))
+        senses = sensing is not None or camera is not None
+        first, last = (round((self.simulator.span - age) / dt) for age in ages_of(sensing, camera))
+        x, z = state["x"], state["z"]
         for k, (vx, vz, turn) in enumerate((np.diff(self.track[: steps + 1], axis=0) / dt).tolist()):
-            if k == seen:
+            if senses and k in (first, last):
                 self._write()
-                see(state)
+                if k == first:
+                    x, z = state["x"], state["z"]
+                if k == last:
+                    sense(state, state["steps"] + 1, x, z, sensing, camera)
             self.step = k
             bar.velocity = vx, vz
             bar.angular_velocity = turn
@@ -202,8 +207,8 @@ class Bounces:
             if state["lost"]:
                 break
         self._write()
-        if self.step < seen:
-            see(state)
+        if senses and self.step < last:
+            sense(state, state["steps"] + 1, x, z, sensing, camera)
 
     def _write(self) -> None:
         state, ball, simulator = self.state, self.ball, self.simulator
