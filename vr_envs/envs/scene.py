@@ -125,7 +125,7 @@ def resolve(
         observation: "state" or a sensor's name, likewise.
 
     Raises:
-        ValueError: unknown name (of a preset, key, engine or observation), wrong type, non-finite or out-of-range value;
+        ValueError: unknown name (of a preset, key, engine or observation), wrong type, not finite or out of range;
             it names what was given and what is allowed.
     """
     overrides: Mapping[str, Any] = {} if scene is None or isinstance(scene, str) else scene

@@ -278,5 +278,5 @@ def advance(
     """
     interval(
         state, demanded(action, params), params, scatter, spin, friction, softening, curve, frequencies, ramp, sensing,
-        textbook, log,
+        camera, textbook, log,
     )  # fmt: skip
