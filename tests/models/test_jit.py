@@ -32,3 +32,34 @@ def test_a_kernel_outside_the_package_is_cached_until_it_is_edited(tmp_path):
     assert run(tmp_path, 2) == (2.0, 0)
     assert run(tmp_path, 2) == (2.0, 1)
     assert run(tmp_path, 3) == (3.0, 0)
+
+
+PAIR = """
+from typing import NamedTuple
+
+from vr_envs.models.jit import kernel
+
+
+class {name}(NamedTuple):
+    a: float
+
+
+@kernel
+def first(pair):
+    return pair.a
+
+
+def twice(x):
+    return first({name}(2.0 * x))
+
+
+twice.stats = first.stats
+"""
+
+
+def test_a_cached_kernel_of_a_type_that_is_gone_is_compiled_anew(tmp_path, monkeypatch):
+    monkeypatch.setitem(globals(), "KERNEL", PAIR.replace("{name}", "Pair"))
+    assert run(tmp_path, None) == (2.0, 0)
+    assert run(tmp_path, None) == (2.0, 1)
+    monkeypatch.setitem(globals(), "KERNEL", PAIR.replace("{name}", "Couple"))
+    assert run(tmp_path, None) == (2.0, 0)

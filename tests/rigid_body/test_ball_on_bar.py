@@ -9,8 +9,7 @@ import pytest
 from vr_envs.envs.ball_on_bar import TASK
 from vr_envs.envs.world import World
 from vr_envs.models.ball_on_bar import interval
-from vr_envs.models.bar import frame_at
-from vr_envs.models.drive import demanded, piece_at
+from vr_envs.models.drive import bar_at, demanded
 from vr_envs.rigid_body.ball_on_bar import SAGITTA, Bounces
 
 STILL = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -28,6 +27,7 @@ OTHERS = [
     {"curve": True, "spin": True},
     {"curve": {"curvature": -20.0}},
     {"frequencies": {"x": 1.5, "tilt": 0.7, "z": 2.2}},
+    {"ramp": {"z_cos": 5.0, "x_sin": 5.0, "tilt_cos": 20.0}},
     {"hold": 0.5, "blend": 0.3},
     {"hold": 2.0},
     {"sensing": True},
@@ -88,7 +88,7 @@ def test_the_bar_is_where_its_motion_says_at_the_end_of_every_step():
         space = Bounces(balls.simulator, state, new)
         space.run(steps)
         s = steps * balls.simulator.dt
-        frame = frame_at(piece_at(old, new, s, 0.0, 0, balls.params, None, None), s)
+        frame = bar_at(old, new, s, 0.0, 0, balls.params, None, None)
         assert np.allclose([*space.bar.position, -space.bar.angle], [frame.x[0], frame.z[0], frame.tilt[0]], 0, 1e-14)
 
 

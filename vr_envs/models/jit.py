@@ -33,6 +33,11 @@ def source_stamp() -> str:
 
 
 class _CacheFile(IndexDataCacheFile):
+    def __init__(self, cache_path: str, filename_base: str, source_stamp: str) -> None:
+        super().__init__(cache_path, filename_base, source_stamp)
+        # an index of another version is not unpickled, which fails where it names a type that is gone
+        self._version = f"{self._version} {source_stamp}"
+
     def save(self, key: Any, data: Any) -> None:
         """Save under a name that belongs to this key and source alone: concurrent processes cannot mix kernels."""
         number = int(hashlib.sha256(repr((self._source_stamp, key)).encode()).hexdigest()[:12], 16)
