@@ -6,7 +6,7 @@ import pytest
 from vr_envs.controllers.ball_on_bar import BellSink
 from vr_envs.envs.ball_on_bar import TASK, BallOnBarBatchEnv
 from vr_envs.envs.scene import resolve
-from vr_envs.models.ball_on_bar import demanded
+from vr_envs.models.drive import demanded
 
 SINK, SOURCE = 0.5 * math.pi, -0.5 * math.pi
 

@@ -8,7 +8,8 @@ import pytest
 from tests.models.ball_reference import Reference
 from vr_envs.envs.ball_on_bar import TASK
 from vr_envs.envs.scene import resolve
-from vr_envs.models.ball_on_bar import LOGGED, advance, demanded
+from vr_envs.models.ball_on_bar import LOGGED, advance
+from vr_envs.models.drive import demanded
 from vr_envs.models.noise import normal_pair
 from vr_envs.models.record import dtype_of
 

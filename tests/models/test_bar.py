@@ -6,24 +6,38 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from vr_envs.models.bar import Piece, bounds, frame_at, increments
+from vr_envs.models.bar import Piece, Rates, bounds, frame_at, increments
 
 OMEGA = 2 * math.pi * 15
 RNG = np.random.default_rng(1)
 SIZES = np.array([1e-3, 1e-3, 0.01, 0.01, 3e-4, 3e-4])
 MOTIONS = [(tuple(SIZES * RNG.uniform(-1, 1, 6)), tuple(SIZES * RNG.uniform(-1, 1, 6))) for _ in range(4)]
-PIECES = [Piece(OMEGA, 1 / 30, base, change) for base, change in MOTIONS] + [
-    Piece(OMEGA, 0.0, base, base) for base, _ in MOTIONS
-]
+RATES = Rates((OMEGA, 0.7 * OMEGA, 1.9 * OMEGA), (0.3, 1.0, -2.0))
+DRIFT = tuple(SIZES * 2)
+PIECES = (
+    [Piece(OMEGA, 0.0, 1 / 30, base, change) for base, change in MOTIONS]
+    + [Piece(OMEGA, 0.0, 0.0, base, base) for base, _ in MOTIONS]
+    + [
+        Piece(OMEGA, -1 / 60, 1 / 15, *MOTIONS[0]),
+        Piece(OMEGA, 0.0, 1 / 30, *MOTIONS[0], rates=RATES),
+        Piece(OMEGA, 0.0, 1 / 30, *MOTIONS[0], drift=DRIFT),
+        Piece(OMEGA, 0.0, 0.0, *MOTIONS[0], rates=RATES, drift=DRIFT),
+    ]
+)
 
 
 def exact(piece, s):
     """(x, tilt, z) at time s, in the working precision."""
     s, w = mp.mpf(s), mp.mpf(piece.omega)
-    u = s / piece.blend if piece.blend else mp.mpf(0)
+    u = (s - piece.begin) / piece.blend if piece.blend else mp.mpf(0)
     weight = u * u * (3 - 2 * u)
-    m = [mp.mpf(b) + weight * mp.mpf(c) for b, c in zip(piece.base, piece.change, strict=True)]
-    return [m[2 * i] * mp.cos(k * w * s) + m[2 * i + 1] * mp.sin(k * w * s) for i, k in enumerate((1, 1, 2))]
+    drift = piece.drift or [0] * 6
+    m = [
+        mp.mpf(b) + weight * mp.mpf(c) + s * mp.mpf(d) for b, c, d in zip(piece.base, piece.change, drift, strict=True)
+    ]
+    omegas, phases = piece.rates or ((w, w, 2 * w), (0, 0, 0))
+    angles = [mp.mpf(o) * s + mp.mpf(p) for o, p in zip(omegas, phases, strict=True)]
+    return [m[2 * i] * mp.cos(a) + m[2 * i + 1] * mp.sin(a) for i, a in enumerate(angles)]
 
 
 @pytest.fixture(autouse=True)
@@ -61,7 +75,7 @@ def test_increments_keep_their_digits_however_short(piece, ds):
 @pytest.mark.parametrize("piece", PIECES)
 def test_bounds_hold_everywhere_on_the_piece(piece):
     limits = bounds(piece)
-    end = piece.blend or 1 / 15
+    end = piece.begin + piece.blend if piece.blend else 1 / 15
     worst = np.zeros((3, 4))
     for s in np.linspace(0.0, end, 500):
         frame = frame_at(piece, s)
@@ -75,7 +89,11 @@ def test_bounds_hold_everywhere_on_the_piece(piece):
 def test_two_pieces_join_with_the_same_position_and_velocity():
     old, change = MOTIONS[0]
     new = tuple(a + b for a, b in zip(old, change, strict=True))
-    blended, kept, before = Piece(OMEGA, 1 / 30, old, change), Piece(OMEGA, 0.0, new, new), Piece(OMEGA, 0.0, old, old)
+    blended, kept, before = (
+        Piece(OMEGA, 0.0, 1 / 30, old, change),
+        Piece(OMEGA, 0.0, 0.0, new, new),
+        Piece(OMEGA, 0.0, 0.0, old, old),
+    )
     for a, b, s in [(blended, kept, 1 / 30), (before, blended, 0.0)]:
         left, right = frame_at(a, s), frame_at(b, s)
         for i in range(3):

@@ -9,10 +9,12 @@ from scipy.integrate import solve_ivp
 
 from vr_envs.envs.ball_on_bar import TASK
 from vr_envs.envs.scene import resolve
-from vr_envs.models.ball_on_bar import LOGGED, advance, demanded
+from vr_envs.models.ball_on_bar import LOGGED, advance
+from vr_envs.models.ball_options import Curve
 from vr_envs.models.bar import Piece, frame_at
-from vr_envs.models.record import dtype_of
-from vr_envs.models.rest import flight_support, rolling_law, support
+from vr_envs.models.drive import demanded
+from vr_envs.models.record import dtype_of, pack
+from vr_envs.models.support import flight_support, forces_at, gripping, support
 
 GRAVITY = 9.81
 SMOOTH = {"scatter": None, "restitution": 0.5, "half_length": 0.5}
@@ -156,34 +158,43 @@ def test_a_bounce_is_no_chatter_because_the_force_is_at_its_extreme():
     assert 5e-3 < log[1, 0] < 7e-3
 
 
+@pytest.mark.parametrize("curvature", [None, 13.3, -20.0])
 @pytest.mark.parametrize("rate", [0.0, 0.03])
-def test_support_is_minus_the_second_and_third_derivative_of_the_gap_in_flight(rate):
-    piece = Piece(2 * math.pi * 15, 0.0, (1e-3, 4e-4, 0.01, -0.006, 2e-4, 1e-4), (0.0,) * 6)
+def test_support_is_minus_the_second_and_third_derivative_of_the_gap_in_flight(rate, curvature):
+    piece = Piece(2 * math.pi * 15, 0.0, 0.0, (1e-3, 4e-4, 0.01, -0.006, 2e-4, 1e-4), (0.0,) * 6)
     params = {"omega": piece.omega}
     bar, s, d = Bar(params, piece.base), mp.mpf("0.0171"), mp.mpf("0.012")
     (bx, tilt, bz), (vx, vt, vz) = bar.at(s), bar.at(s, 1)
-    cos, sin = mp.cos(tilt), mp.sin(tilt)
-    x, z = bx + d * cos, bz - d * sin
-    # moves with the bar's material, and along it with `rate`
-    u, w = vx - vt * d * sin + rate * cos, vz - vt * d * cos - rate * sin
+    cos, sin, k = mp.cos(tilt), mp.sin(tilt), mp.mpf(curvature or 0.0)
+    q = k * d * d / 2
+    x, z = bx + d * cos + q * sin, bz - d * sin + q * cos
+    # moves with the bar's material, and along the surface with `rate`
+    along = rate / mp.sqrt(1 + k * k * d * d)
+    right, up = along * (cos + k * d * sin), along * (k * d * cos - sin)
+    u, w = vx + vt * (z - bz) + right, vz - vt * (x - bx) + up
 
     def gap(t):
         ax, tilt, az = bar.at(s + t)
-        flown = z + w * t - mp.mpf(GRAVITY) * t * t / 2
-        return (x + u * t - ax) * mp.sin(tilt) + (flown - az) * mp.cos(tilt)
+        rx, rz = x + u * t - ax, z + w * t - mp.mpf(GRAVITY) * t * t / 2 - az
+        p = rx * mp.cos(tilt) - rz * mp.sin(tilt)
+        return rx * mp.sin(tilt) + rz * mp.cos(tilt) - k * p * p / 2
 
     assert abs(mp.diff(gap, 0, 1)) < 1e-15
-    force, slope = flight_support(frame_at(piece, float(s)), GRAVITY, float(d), rate)
+    curve = None if curvature is None else pack(Curve(curvature))
+    force, slope = flight_support(frame_at(piece, float(s)), GRAVITY, float(d), rate, curve)
     assert force == pytest.approx(float(-mp.diff(gap, 0, 2)), rel=1e-13)
     assert slope == pytest.approx(float(-mp.diff(gap, 0, 3)), rel=1e-12)
 
 
-def test_support_of_a_carried_ball_is_its_own_derivative():
-    piece = Piece(2 * math.pi * 15, 1 / 30, (1e-3, 4e-4, 0.01, -0.006, 2e-4, 1e-4), (5e-4, 0, -0.008, 0.002, 1e-4, 0))
+@pytest.mark.parametrize("curve", [None, pack(Curve(13.3))])
+def test_support_of_a_carried_ball_is_its_own_derivative(curve):
+    piece = Piece(
+        2 * math.pi * 15, 0.0, 1 / 30, (1e-3, 4e-4, 0.01, -0.006, 2e-4, 1e-4), (5e-4, 0, -0.008, 0.002, 1e-4, 0)
+    )
     for s in (0.001, 0.012, 0.029):
         h = 1e-6
-        ahead, behind = (support(frame_at(piece, s + e), GRAVITY, 0.01, 0.0, 0.0)[0] for e in (h, -h))
-        _, slope = support(frame_at(piece, s), GRAVITY, 0.01, 0.0, 0.0)
+        ahead, behind = (support(frame_at(piece, s + e), GRAVITY, 0.01, 0.0, 0.0, curve)[0] for e in (h, -h))
+        _, slope = support(frame_at(piece, s), GRAVITY, 0.01, 0.0, 0.0, curve)
         assert slope == pytest.approx((ahead - behind) / (2 * h), rel=1e-6)
 
 
@@ -205,15 +216,17 @@ def test_a_carried_ball_moves_as_the_bars_material_does():
 
 def test_rolling_law_feels_gravity_and_the_bars_acceleration():
     """A bar pushed sideways without tilt leaves a frictionless ball behind: d'' = -x''; a sphere by 5/7 of that."""
-    piece = Piece(2 * math.pi * 15, 0.0, (1e-3, 0, 0, 0, 0, 0), (0.0,) * 6)
+    piece = Piece(2 * math.pi * 15, 0.0, 0.0, (1e-3, 0, 0, 0, 0, 0), (0.0,) * 6)
     frame = frame_at(piece, 0.003)
-    assert rolling_law(frame, GRAVITY, 0.0, 0.0)[0] == pytest.approx(-frame.x[2], rel=1e-14)
-    assert rolling_law(frame, GRAVITY, 0.4, 0.003)[0] == pytest.approx(-frame.x[2] * 5 / 7, rel=1e-14)
-    level = frame_at(Piece(2 * math.pi * 15, 0.0, (0, 0, 0.02, 0, 0, 0), (0.0,) * 6), 0.0)
+
+    def rolling(frame, inertia_ratio, radius):
+        return gripping(forces_at(frame, GRAVITY), 0.0, 0.0, inertia_ratio, radius, None)
+
+    assert rolling(frame, 0.0, 0.0) == pytest.approx(-frame.x[2], rel=1e-14)
+    assert rolling(frame, 0.4, 0.003) == pytest.approx(-frame.x[2] * 5 / 7, rel=1e-14)
+    level = frame_at(Piece(2 * math.pi * 15, 0.0, 0.0, (0, 0, 0.02, 0, 0, 0), (0.0,) * 6), 0.0)
     inertia = 0.4 * 0.003 * level.tilt[2] / 1.4
-    assert rolling_law(level, GRAVITY, 0.4, 0.003)[0] == pytest.approx(
-        GRAVITY * math.sin(0.02) / 1.4 - inertia, rel=1e-14
-    )
+    assert rolling(level, 0.4, 0.003) == pytest.approx(GRAVITY * math.sin(0.02) / 1.4 - inertia, rel=1e-14)
 
 
 @pytest.mark.parametrize("frequency", [0.5, 1.0, 5.0, 6.351, 50.0, 200.0])

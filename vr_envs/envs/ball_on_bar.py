@@ -7,20 +7,18 @@ import math
 
 import numpy as np
 
+from vr_envs.envs.ball_on_bar_observation import observations, observe
 from vr_envs.envs.base import BatchEnv, ScalarEnv
 from vr_envs.envs.scene import Scene
 from vr_envs.envs.task import Channel, Task
-from vr_envs.models.ball_on_bar import OPTIONS, advance
 from vr_envs.models.ball_on_bar import Params as BarParams
 from vr_envs.models.ball_on_bar import State as BallState
+from vr_envs.models.ball_on_bar import advance, see
+from vr_envs.models.ball_options import OPTIONS
 from vr_envs.models.jit import kernel
 from vr_envs.models.noise import uniform
 from vr_envs.models.record import quantity
 
-# Scales of the observation: a channel is the quantity over its scale, clipped to [-1, 1].
-HEIGHT_SCALE = 0.02  # m
-SPEED_SCALE = 0.5  # m/s, sideways velocity and spin
-FALL_SCALE = 1.0  # m/s, vertical velocity
 _START_COUNTER = 1 << 62  # apart from the impact counter, which the scatter uses
 
 
@@ -44,7 +42,7 @@ class State(BallState):
 
 
 @kernel
-def start(state, params, scatter, spin):
+def start(state, params, scatter, spin, friction, softening, curve, *_others):
     """Ball displaced along the bar, on the vertical period-one orbit of the bar's motion at action 0.
 
     Impacts happen at the phase phi of sin(2 omega t + pi/2) with cos(phi) = pi g (1 - alpha)/(1 + alpha)/Acc; below
@@ -60,36 +58,13 @@ def start(state, params, scatter, spin):
     state.z = params.z_centre * math.sin(phase) + (launch - 0.5 * params.gravity * since) * since
     state.w = launch - params.gravity * since
     state.motion[4] = params.z_centre
+    if curve is not None:
+        state.z += 0.5 * curve.curvature * state.x * state.x
+    see(state)
 
 
 @kernel
-def _scaled(value, scale):
-    """`value` over `scale`, clipped; a motion without a range (a scale of 0) shows as 0."""
-    if scale == 0.0:
-        return np.float32(0.0)
-    return np.float32(min(1.0, max(-1.0, value / scale)))
-
-
-@kernel
-def observe(state, row, params, scatter, spin):
-    """Write the observation of `state`; the channels are documented at `channels`."""
-    row[0] = _scaled(state.x, params.half_length)
-    row[1] = _scaled(state.u, SPEED_SCALE)
-    row[2] = _scaled(state.z, HEIGHT_SCALE)
-    row[3] = _scaled(state.w, FALL_SCALE)
-    m = state.motion
-    row[4] = _scaled(m[0], params.x_span)
-    row[5] = _scaled(m[1], params.x_span)
-    row[6] = _scaled(m[2], params.tilt_span)
-    row[7] = _scaled(m[3], params.tilt_span)
-    row[8] = _scaled(m[4] - params.z_centre, params.z_span)
-    row[9] = _scaled(m[5], params.z_span)
-    if spin is not None:
-        row[10] = _scaled(state.spin, SPEED_SCALE)
-
-
-@kernel
-def outcome(state, action, params, scatter, spin):
+def outcome(state, action, params, *_options):
     """(reward, terminated): 1 / (1 + (x / width)^2), and 0 with the end of the episode when the ball is lost."""
     state.sum_x2 += state.x * state.x
     state.max_x = max(state.max_x, abs(state.x))
@@ -97,26 +72,6 @@ def outcome(state, action, params, scatter, spin):
         return 0.0, True
     offset = state.x / params.reward_width
     return 1.0 / (1.0 + offset * offset), False
-
-
-def _observations(scene: Scene) -> tuple[Channel, ...]:
-    p = scene.params
-    half, x, tilt = f"{p.half_length:g} m", f"{p.x_span:.3g} m", f"{p.tilt_span:.3g} rad"
-    rows = [
-        ("x", half, "ball along the bar, from the centre"),
-        ("x velocity", f"{SPEED_SCALE:g} m/s", "ball velocity along x"),
-        ("z", f"{HEIGHT_SCALE:g} m", "ball height, from the bar's mean height"),
-        ("z velocity", f"{FALL_SCALE:g} m/s", "ball velocity upwards"),
-        ("x in phase", x, "bar: cosine part of x"),
-        ("x quadrature", x, "bar: sine part of x"),
-        ("tilt in phase", tilt, "bar: cosine part of the tilt"),
-        ("tilt quadrature", tilt, "bar: sine part of the tilt"),
-        ("z in phase", f"{p.z_span:.3g} m", "bar: cosine part of z at twice the base frequency, from its centre value"),
-        ("z quadrature", f"{p.z_span:.3g} m", "bar: sine part of z at twice the base frequency"),
-    ]
-    if scene.options["spin"] is not None:
-        rows.append(("spin", f"{SPEED_SCALE:g} m/s", "ball radius times spin about +y"))
-    return tuple(Channel(name, unit, doc) for name, unit, doc in rows)
 
 
 def _actions(scene: Scene) -> tuple[Channel, ...]:
@@ -147,8 +102,8 @@ def _metrics(states: np.ndarray, scene: Scene) -> dict[str, np.ndarray]:
     }
 
 
-def _cycle(scene: Scene) -> float:
-    return scene.params.period
+def _interval(scene: Scene) -> float:
+    return scene.params.hold * scene.params.period
 
 
 def _validate(scene: Scene) -> None:
@@ -163,6 +118,19 @@ def _validate(scene: Scene) -> None:
             f"tilt_acceleration = {p.tilt_acceleration:g} rad/s^2 at frequency = {p.frequency:g} Hz is a tilt of "
             f"{p.tilt_span:.3g} rad; give at most 0.3 rad, which is {0.3 * p.omega**2:.4g} rad/s^2"
         )
+    if p.hold not in (0.5, round(p.hold)):
+        raise ValueError(f"hold = {p.hold:g} cycles; give 0.5 or a whole number")
+    if p.blend > p.hold:
+        raise ValueError(f"blend = {p.blend:g} is longer than hold = {p.hold:g}; give blend <= hold")
+    curve, sensing = scene.options["curve"], scene.options["sensing"]
+    if curve is not None and abs(curve.curvature) * p.half_length > 1.0:
+        raise ValueError(
+            f"curve.curvature = {curve.curvature:g} 1/m at half_length = {p.half_length:g} m is steeper than 45 "
+            f"degrees; give at most {1.0 / p.half_length:.4g} 1/m"
+        )
+    longest = min(1.0, p.hold) * p.period
+    if sensing is not None and sensing.delay > longest:
+        raise ValueError(f"sensing.delay = {sensing.delay:g} s; give at most {longest:.4g} s, a cycle or interval")
 
 
 TASK = Task(
@@ -170,7 +138,12 @@ TASK = Task(
     params=Params,
     options=OPTIONS,
     state=State,
-    scenes={"bell": {"scatter": True}, "rolling": {"scatter": {"normal": 0.003}, "spin": True}},
+    scenes={
+        "bell": {"scatter": True},
+        "bell-2dof": {"scatter": True, "x_acceleration": 0.0},
+        "rolling": {"scatter": {"normal": 0.003}, "spin": True},
+        "lens": {"scatter": True, "spin": True, "curve": True},
+    },
     default_scene="bell",
     levels={
         "nominal": {},
@@ -181,10 +154,10 @@ TASK = Task(
     advance=advance,
     outcome=outcome,
     observe=observe,
-    observation_channels=_observations,
+    observation_channels=observations,
     action_channels=_actions,
     metrics=_metrics,
-    dt=_cycle,
+    dt=_interval,
     validate=_validate,
 )
 

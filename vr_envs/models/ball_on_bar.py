@@ -1,28 +1,35 @@
-"""A ball bouncing on a bar with three degrees of freedom: exact event-driven dynamics over one base cycle.
+"""A ball bouncing on a bar with three degrees of freedom: exact event-driven dynamics.
 
 Ballistic flight, impacts located by a certified first-root march, restitution and tangential law at the contact
-point, chatter closed by its accumulation time, rest until release. Frame and motion: `models/bar.py`. Source: Bell
-(bouncing-ball report), sections III and IV. Time runs from 0 in each cycle, so it never loses digits.
+point, chatter closed by its accumulation time, rest until release. Frame and motion: `models/bar.py`; what a scene may
+add: `models/ball_options.py`. Source: Bell (bouncing-ball report), sections III and IV. Time runs from 0 in each base
+cycle, so it never loses digits.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import math
+from typing import Any, NamedTuple
 
-from vr_envs.models.bar import Piece, bounds, frame_at
-from vr_envs.models.flight import AIRBORNE, BOUNCED, RELEASED, contact_at, flight
-from vr_envs.models.impact import collide, collide_rough
+from vr_envs.models.bar import bounds, frame_at
+from vr_envs.models.chatter import settle
+from vr_envs.models.drive import base_cycle, demanded, piece_at
+from vr_envs.models.flight import AIRBORNE, BOUNCED, RELEASED, flight
+from vr_envs.models.impact import collide, collide_rough, softened
 from vr_envs.models.jit import kernel
 from vr_envs.models.noise import normal_pair
 from vr_envs.models.record import quantity
-from vr_envs.models.rest import STILL, UNDECIDED, rest, settle
+from vr_envs.models.rest import rest
+from vr_envs.models.rolling import STILL
+from vr_envs.models.root import UNDECIDED
+from vr_envs.models.surface import contact_at
 
 MAX_EVENTS = 20_000  # impacts and releases in one base cycle; a ball that needs more ends the episode as a fault
 
 LOGGED = ("time", "x", "z", "normal_in", "tangent_in", "normal_out", "tangent_out")
-"""Columns of the log of impacts: time in the cycle (s), place of the ball (m), velocity of its centre relative to the
-bar's material along normal and tangent, before and after (m/s)."""
+"""Columns of the log of impacts: time in the base cycle (s), place of the ball (m), velocity of its centre relative to
+the bar's material along normal and tangent, before and after (m/s)."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -39,6 +46,7 @@ class Params:
         2.0 / 7.0, "", "part c of the tangential velocity lost at an impact (without spin)", low=0.0, high=1.0
     )
     blend: float = quantity(0.5, "cycle", "part of a cycle in which the bar goes to its new motion", low=0.05, high=1.0)
+    hold: float = quantity(1.0, "cycle", "base cycles between two actions: 0.5, or a whole number", low=0.5, high=100.0)
     x_acceleration: float = quantity(10.0, "m/s^2", "x: peak acceleration at action 1", low=0.0, high=100.0)
     tilt_acceleration: float = quantity(100.0, "rad/s^2", "tilt: peak acceleration at action 1", low=0.0, high=5000.0)
     z_acceleration: float = quantity(
@@ -78,26 +86,6 @@ class Params:
 
 
 @dataclasses.dataclass(frozen=True)
-class Scatter:
-    """Option: an imperfect ball and surface (Bell: "a great variation in the C.o.R. values")."""
-
-    restitution: float = quantity(0.02, "", "standard deviation of alpha from impact to impact", low=0.0, high=0.3)
-    normal: float = quantity(0.002, "rad", "standard deviation of the surface normal", low=0.0, high=0.1)
-
-
-@dataclasses.dataclass(frozen=True)
-class Spin:
-    """Option: a ball that grips the bar, spins and rolls (Wang and Mason 1992). Replaces `tangential_loss`."""
-
-    inertia_ratio: float = quantity(0.4, "", "I/(m R^2): 2/5 solid sphere, 2/3 hollow, 1/2 disc", low=0.0, high=1.0)
-    radius: float = quantity(0.0025, "m", "radius R of the ball", low=1e-4, high=1.0)
-
-
-OPTIONS: dict[str, type] = {"scatter": Scatter, "spin": Spin}
-"""What a scene may add, in the order in which kernels take the records; an absent one is passed as None."""
-
-
-@dataclasses.dataclass(frozen=True)
 class State:
     """The ball at the start of a base cycle, and the bar's motion."""
 
@@ -115,130 +103,167 @@ class State:
     d: float = quantity(0.0, "m", "place on the bar of a resting ball")
     rate: float = quantity(0.0, "m/s", "velocity along the bar of a resting ball")
     motion: float = quantity(0.0, "m, rad, m", "x, tilt, z: cosine and sine parts of the bar's motion", shape=(6,))
+    seen: float = quantity(0.0, "m, m/s", "what a sensor saw last: x, u, z, w, spin", shape=(5,))
+
+
+class Laws(NamedTuple):
+    """The records that decide what happens between ball and bar; an absent option is None."""
+
+    params: Any
+    scatter: Any
+    spin: Any
+    friction: Any
+    softening: Any
+    curve: Any
+    textbook: Any
 
 
 @kernel
-def demanded(action, params):
-    """The bar motion that an action asks for: in-phase and quadrature parts of x, tilt and z."""
-    return (
-        params.x_span * action[0],
-        params.x_span * action[1],
-        params.tilt_span * action[2],
-        params.tilt_span * action[3],
-        params.z_centre + params.z_span * action[4],
-        params.z_span * action[5],
-    )
-
-
-@kernel
-def _impact(state, piece, frame, limits, s, end, params, scatter, spin, log):
+def _impact(state, piece, frame, limits, s, end, params, scatter, spin, friction, softening, curve, log):
     """One impact at time s; returns (time, how a flight begins from here if the ball has not come to rest)."""
-    height, normal, tangent, d = contact_at(frame, state.x, state.u, state.w)
-    state.z = height
-    if abs(d) > params.half_length:
+    contact = contact_at(frame, state.x, state.z, state.u, state.w, curve)
+    state.x, state.z = contact.x, contact.z
+    if abs(contact.d) > params.half_length:
         state.lost = True
         return s, AIRBORNE
     surface_spin = 0.0
     if spin is not None:
         surface_spin = state.spin - spin.radius * frame.tilt[1]
-    normal_0, tangent_0 = normal, tangent
+    normal, tangent = contact.normal, contact.tangent
     if normal < 0.0:
+        alpha, deviation = params.restitution, 0.0
+        if scatter is not None:
+            first, second = normal_pair(state.key, state.impacts + 1)
+            alpha = min(1.0, max(0.0, alpha + scatter.restitution * first))
+            deviation = scatter.normal * second
+        alpha = softened(alpha, normal, softening)
         if scatter is None:
             normal, tangent, surface_spin = collide(
-                normal, tangent, surface_spin, params.restitution, params.tangential_loss, spin
+                normal, tangent, surface_spin, alpha, params.tangential_loss, spin, friction
             )
         else:
-            first, second = normal_pair(state.key, state.impacts + 1)
-            restitution = min(1.0, max(0.0, params.restitution + scatter.restitution * first))
             normal, tangent, surface_spin = collide_rough(
-                normal, tangent, surface_spin, restitution, params.tangential_loss, spin, scatter.normal * second
+                normal, tangent, surface_spin, alpha, params.tangential_loss, spin, friction, deviation
             )
     if log is not None:
-        log[state.impacts % log.shape[0]] = s, state.x, state.z, normal_0, tangent_0, normal, tangent
+        log[state.impacts % log.shape[0]] = s, state.x, state.z, contact.normal, contact.tangent, normal, tangent
     state.impacts += 1
-    state.u += (normal - normal_0) * frame.sin + (tangent - tangent_0) * frame.cos
-    state.w += (normal - normal_0) * frame.cos - (tangent - tangent_0) * frame.sin
+    d_normal, d_tangent = normal - contact.normal, tangent - contact.tangent
+    state.u += d_normal * contact.sin + d_tangent * contact.cos
+    state.w += d_normal * contact.cos - d_tangent * contact.sin
     if spin is not None:
         state.spin = surface_spin + spin.radius * frame.tilt[1]
-    s = settle(state, piece, frame, limits, s, end, normal, tangent, d, params, spin)
+    s = settle(
+        state, piece, frame, limits, s, end, contact, normal, tangent, params, scatter, spin, friction, softening, curve
+    )
     return s, BOUNCED if normal > STILL else RELEASED
 
 
 @kernel
-def _interval(state, piece, s, end, params, scatter, spin, log):
+def _stretch(state, piece, s, end, laws, log):
     """All events of one piece of bar motion, from time s to `end`."""
+    gravity = laws.params.gravity
     limits = bounds(piece)
-    tan = math.tan(limits[1].d0)
+    tan = math.tan(min(1.5, limits[1].d0))
     frame = frame_at(piece, s)
     contact = AIRBORNE
     for _ in range(MAX_EVENTS):
         if state.resting:
-            s, frame = rest(state, piece, limits, s, end, params, spin)
+            s, frame = rest(state, piece, limits, s, end, laws.params, laws.spin, laws.friction, laws.curve)
             if state.resting or state.lost or state.fault or s >= end:
                 return
             contact = RELEASED
-        hit, ds = flight(piece, limits, tan, s, frame, end, state.x, state.z, state.u, state.w, params.gravity, contact)
+        hit, ds = flight(
+            piece, limits, tan, s, frame, end, state.x, state.z, state.u, state.w, gravity, contact,
+            laws.curve, laws.textbook,
+        )  # fmt: skip
         if ds == UNDECIDED:
             state.fault = True
             return
         state.x += state.u * ds
-        state.z += (state.w - 0.5 * params.gravity * ds) * ds
-        state.w -= params.gravity * ds
+        state.z += (state.w - 0.5 * gravity * ds) * ds
+        state.w -= gravity * ds
         if not hit:
             return
         s += ds
         frame = frame_at(piece, s)
-        s, contact = _impact(state, piece, frame, limits, s, end, params, scatter, spin, log)
+        s, contact = _impact(
+            state, piece, frame, limits, s, end, laws.params, laws.scatter, laws.spin, laws.friction, laws.softening,
+            laws.curve, log,
+        )  # fmt: skip
         if state.lost:
             return
     state.fault = True
 
 
 @kernel
-def piece_at(old, new, s, params):
-    """The `Piece` of bar motion at time `s` of a cycle that goes from the motion `old` to the motion `new`."""
-    blend = params.blend * params.period
-    if new == old or s >= blend:
-        return Piece(params.omega, 0.0, new, new)
-    change = (
-        new[0] - old[0], new[1] - old[1], new[2] - old[2], new[3] - old[3], new[4] - old[4], new[5] - old[5],
-    )  # fmt: skip
-    return Piece(params.omega, blend, old, change)
+def _move(state, old, new, s, end, begin, number, laws, frequencies, ramp, log):
+    """From time s to `end` of base cycle `number`, in which the bar goes from `old` to `new` from time `begin` on."""
+    params = laws.params
+    blended = begin
+    if new != old:
+        blended = begin + params.blend * params.period
+    if s < min(end, blended) and not (state.lost or state.fault):
+        piece = piece_at(old, new, s, begin, number, params, frequencies, ramp)
+        _stretch(state, piece, s, min(end, blended), laws, log)
+    if max(s, blended) < end and not (state.lost or state.fault):
+        piece = piece_at(new, new, s, begin, number, params, frequencies, ramp)
+        _stretch(state, piece, max(s, blended), end, laws, log)
 
 
 @kernel
-def cycle(state, new, params, scatter, spin, log=None, until=None):
-    """Move the ball by one base cycle, or to the time `until` (s) in it, while the bar goes to the motion `new`.
+def see(state):
+    """Keep what a sensor sees of the ball now."""
+    v = state.seen
+    v[0], v[1], v[2], v[3], v[4] = state.x, state.u, state.z, state.w, state.spin
 
-    The other arguments are those of `advance`.
+
+@kernel
+def interval(
+    state, new, params, scatter, spin, friction, softening, curve, frequencies, ramp, sensing, textbook,
+    log=None, until=None,
+):  # fmt: skip
+    """Move the ball by one control interval, or to the time `until` (s) in it, while the bar goes to the motion `new`.
+
+    The interval is `hold` base cycles, or half a one. The other arguments are those of `advance`.
     """
-    if state.lost or state.fault:
-        return
-    end = params.period
-    if until is not None:
-        end = min(end, until)
+    laws = Laws(params, scatter, spin, friction, softening, curve, textbook)
     m = state.motion
     old = (m[0], m[1], m[2], m[3], m[4], m[5])
-    start = 0.0
-    if new != old:
-        start = params.blend * params.period
-        _interval(state, piece_at(old, new, 0.0, params), 0.0, min(start, end), params, scatter, spin, log)
-    if start < end and not (state.lost or state.fault):
-        _interval(state, piece_at(old, new, start, params), start, end, params, scatter, spin, log)
+    period = params.period
+    number, begin = base_cycle(state.steps, params)
+    cycles = max(1, int(params.hold))
+    for j in range(cycles):
+        end = begin + min(1.0, params.hold) * period
+        if until is not None:
+            end = min(end, begin + until - j * period)
+        before = begin
+        if sensing is not None:
+            if j == cycles - 1:
+                seen = end - sensing.delay
+                _move(state, old, new, begin, seen, begin, number + j, laws, frequencies, ramp, log)
+                see(state)
+                before = seen
+        _move(state, old, new, before, end, begin, number + j, laws, frequencies, ramp, log)
+        old = new
     for k in range(6):
         m[k] = new[k]
 
 
 @kernel
-def advance(state, action, params, scatter, spin, log=None):
-    """Move the ball by one base cycle while the bar goes to the motion that `action` asks for.
+def advance(
+    state, action, params, scatter, spin, friction, softening, curve, frequencies, ramp, sensing, textbook, log=None
+):
+    """Move the ball by one control interval while the bar goes to the motion that `action` asks for.
 
     Args:
         state: record of `State`, changed in place; a lost ball stays where it left the bar.
         action: six numbers in [-1, 1], see `demanded`.
         params: record of `Params`.
-        scatter: record of `Scatter` or None.
-        spin: record of `Spin` or None.
+        scatter, spin, friction, softening, curve, frequencies, ramp, sensing, textbook: records of `OPTIONS`, or None.
         log: None, or an array (capacity, len(LOGGED)) that receives each impact, number i in row i modulo capacity.
     """
-    cycle(state, demanded(action, params), params, scatter, spin, log)
+    interval(
+        state, demanded(action, params), params, scatter, spin, friction, softening, curve, frequencies, ramp, sensing,
+        textbook, log,
+    )  # fmt: skip

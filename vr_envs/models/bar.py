@@ -1,4 +1,4 @@
-"""Motion of a bar with three degrees of freedom: x(t), tilt theta(t) and z(t), and the height of its surface.
+"""Motion of a bar with three degrees of freedom: x(t), tilt theta(t) and z(t).
 
 Frame (Bell's): x to the right along the bar, y away from the camera, z up. theta is the right-handed rotation
 about +y, so a positive tilt lowers the right end: the surface is z_bar - (x - x_bar) tan(theta).
@@ -6,7 +6,9 @@ about +y, so a positive tilt lowers the right end: the surface is z_bar - (x - x
 A motion is six phasor components (x_cos, x_sin, tilt_cos, tilt_sin, z_cos, z_sin):
 x = x_cos cos(omega s) + x_sin sin(omega s), tilt alike, z alike at 2 omega (Bell section IV: a parabolic path).
 Time s runs from the start of the base cycle. A `Piece` goes from one motion to another by the cubic
-S(u) = u^2 (3 - 2u), u = s / blend (continuous position and velocity), or keeps one motion (blend = 0).
+S(u) = u^2 (3 - 2u), u = (s - begin) / blend (continuous position and velocity), or keeps one motion (blend = 0).
+Two things are compiled in only where a scene has them: `rates`, frequencies of their own for x, tilt and z, and
+`drift`, a slow growth of the phasors in time.
 """
 
 from __future__ import annotations
@@ -15,17 +17,37 @@ import math
 from typing import NamedTuple
 
 from vr_envs.models.jit import kernel
+from vr_envs.models.phasor import (
+    cos_sin,
+    phasor,
+    phasor_change,
+    plus_blend,
+    plus_blend_change,
+    turned_waves,
+    waves_at,
+)
 
 Motion = tuple[float, float, float, float, float, float]
+Wave = tuple[float, float]
+
+
+class Rates(NamedTuple):
+    """Frequencies of their own: x, tilt and z move at the angles `omega[i] s + phase[i]`."""
+
+    omega: tuple[float, float, float]  # rad/s
+    phase: tuple[float, float, float]  # rad, at the start of this base cycle
 
 
 class Piece(NamedTuple):
-    """A stretch of bar motion: `base + S(s / blend) change`, or `base` alone when blend is 0 s."""
+    """A stretch of bar motion: base + S change + s drift; without a change when `blend` is 0 s."""
 
     omega: float  # rad/s, base frequency
+    begin: float  # s, start of the blend
     blend: float  # s, duration of the blend
     base: Motion  # m, rad, m
     change: Motion  # m, rad, m
+    rates: Rates | None = None
+    drift: Motion | None = None  # m/s, rad/s, m/s
 
 
 class Frame(NamedTuple):
@@ -36,8 +58,7 @@ class Frame(NamedTuple):
     z: tuple[float, float, float, float]  # m, ...
     cos: float  # of the tilt
     sin: float
-    wave_cos: float  # of omega s
-    wave_sin: float
+    waves: tuple[Wave, Wave, Wave]  # of the angles of x, tilt and z
 
 
 class Bounds(NamedTuple):
@@ -51,112 +72,95 @@ class Bounds(NamedTuple):
 
 
 @kernel
-def cos_sin(angle):
-    """Cosine and sine of an angle; small ones, as in a chatter or of a tilt, by Taylor's series to rounding."""
-    if abs(angle) > 0.1:
-        return math.cos(angle), math.sin(angle)
-    q = angle * angle
-    cos = 1.0 + q * (-1 / 2 + q * (1 / 24 + q * (-1 / 720 + q * (1 / 40320 - q * (1 / 3628800)))))
-    sin = angle + angle * q * (-1 / 6 + q * (1 / 120 + q * (-1 / 5040 + q * (1 / 362880))))
-    return cos, sin
+def _angular(omega, rates):
+    """Angular frequencies of x, tilt and z, rad/s."""
+    if rates is None:
+        return omega, omega, 2.0 * omega
+    else:
+        return rates.omega
 
 
 @kernel
-def _phasor(c, s, w, cos, sin):
-    """Value and three derivatives of c cos(w s) + s sin(w s)."""
-    q0 = c * cos + s * sin
-    q1 = w * (s * cos - c * sin)
-    return q0, q1, -w * w * q0, -w * w * q1
+def _blend(piece, s):
+    """S and its three derivatives at time s."""
+    t = piece.blend
+    u = (s - piece.begin) / t
+    return u * u * (3.0 - 2.0 * u), 6.0 * u * (1.0 - u) / t, (6.0 - 12.0 * u) / (t * t), -12.0 / (t * t * t)
 
 
 @kernel
-def _blended(base, change, s0, s1, s2, s3):
-    """Leibniz rule for base + S change; `s0..s3` are S and its derivatives."""
-    b0, b1, b2, b3 = base
-    c0, c1, c2, c3 = change
-    return (
-        b0 + s0 * c0,
-        b1 + s0 * c1 + s1 * c0,
-        b2 + s0 * c2 + 2.0 * s1 * c1 + s2 * c0,
-        b3 + s0 * c3 + 3.0 * s1 * c2 + 3.0 * s2 * c1 + s3 * c0,
-    )
-
-
-@kernel
-def _change(c, s, w, cos, sin, d_cos, d_sin):
-    """Change of a phasor's value, and its first and second derivative at the end of the change."""
-    return c * d_cos + s * d_sin, w * (s * cos - c * sin), -w * w * (c * cos + s * sin)
-
-
-@kernel
-def _blended_change(base, value, change, blend):
-    """The same for base + S change; `value` is that of the change at the end."""
-    s0, s1, s2, d_s = blend
-    return (
-        base[0] + s0 * change[0] + d_s * (value - change[0]),
-        base[1] + s0 * change[1] + s1 * value,
-        base[2] + s0 * change[2] + 2.0 * s1 * change[1] + s2 * value,
-    )
+def _plus_drift(axes, w, waves, s, drift):
+    """Add a drift to (x, tilt, z), each as value and three derivatives."""
+    if drift is None:
+        return axes
+    else:
+        d = drift
+        return (
+            plus_blend(axes[0], phasor(d[0], d[1], w[0], waves[0]), s, 1.0, 0.0, 0.0),
+            plus_blend(axes[1], phasor(d[2], d[3], w[1], waves[1]), s, 1.0, 0.0, 0.0),
+            plus_blend(axes[2], phasor(d[4], d[5], w[2], waves[2]), s, 1.0, 0.0, 0.0),
+        )
 
 
 @kernel
 def frame_at(piece, s):
     """The `Frame` of the bar at time s."""
-    w = piece.omega
-    cos, sin = math.cos(w * s), math.sin(w * s)
-    cos2, sin2 = cos * cos - sin * sin, 2.0 * sin * cos
+    w = _angular(piece.omega, piece.rates)
+    waves = waves_at(piece.omega, s, piece.rates)
     b = piece.base
-    x = _phasor(b[0], b[1], w, cos, sin)
-    tilt = _phasor(b[2], b[3], w, cos, sin)
-    z = _phasor(b[4], b[5], 2.0 * w, cos2, sin2)
+    x = phasor(b[0], b[1], w[0], waves[0])
+    tilt = phasor(b[2], b[3], w[1], waves[1])
+    z = phasor(b[4], b[5], w[2], waves[2])
     if piece.blend > 0.0:
         c = piece.change
-        t = piece.blend
-        u = s / t
-        s0, s1, s2, s3 = (
-            u * u * (3.0 - 2.0 * u),
-            6.0 * u * (1.0 - u) / t,
-            (6.0 - 12.0 * u) / (t * t),
-            -12.0 / (t * t * t),
-        )
-        x = _blended(x, _phasor(c[0], c[1], w, cos, sin), s0, s1, s2, s3)
-        tilt = _blended(tilt, _phasor(c[2], c[3], w, cos, sin), s0, s1, s2, s3)
-        z = _blended(z, _phasor(c[4], c[5], 2.0 * w, cos2, sin2), s0, s1, s2, s3)
+        s0, s1, s2, s3 = _blend(piece, s)
+        x = plus_blend(x, phasor(c[0], c[1], w[0], waves[0]), s0, s1, s2, s3)
+        tilt = plus_blend(tilt, phasor(c[2], c[3], w[1], waves[1]), s0, s1, s2, s3)
+        z = plus_blend(z, phasor(c[4], c[5], w[2], waves[2]), s0, s1, s2, s3)
+    x, tilt, z = _plus_drift((x, tilt, z), w, waves, s, piece.drift)
     tilt_cos, tilt_sin = cos_sin(tilt[0])
-    return Frame(x, tilt, z, tilt_cos, tilt_sin, cos, sin)
+    return Frame(x, tilt, z, tilt_cos, tilt_sin, waves)
+
+
+@kernel
+def _plus_drift_change(axes, w, end, change, s1, ds, drift):
+    """Add a drift to the changes of (x, tilt, z); `s1` is the time at the end of the change."""
+    if drift is None:
+        return axes
+    else:
+        d, blend = drift, (s1, 1.0, 0.0, ds)
+        return (
+            plus_blend_change(axes[0], d[0], d[1], w[0], end[0], change[0], blend),
+            plus_blend_change(axes[1], d[2], d[3], w[1], end[1], change[1], blend),
+            plus_blend_change(axes[2], d[4], d[5], w[2], end[2], change[2], blend),
+        )
 
 
 @kernel
 def increments(piece, frame, s, ds):
     """Changes of (x, tilt, z) from s, where the bar is at `frame`, to s + ds, without cancellation as ds -> 0.
 
-    cos(b) - cos(a) = -2 sin((a+b)/2) sin((b-a)/2), so a flight of nanometres keeps its relative accuracy.
+    A flight of nanometres keeps its relative accuracy.
 
     Returns:
         (x, tilt, z), each as (change, rate at s + ds, second derivative at s + ds).
     """
-    w = piece.omega
-    ch, sh = cos_sin(0.5 * w * ds)
-    cm, sm = frame.wave_cos * ch - frame.wave_sin * sh, frame.wave_sin * ch + frame.wave_cos * sh
-    cos, sin = cm * ch - sm * sh, sm * ch + cm * sh
-    cos2, sin2 = cos * cos - sin * sin, 2.0 * sin * cos
-    d_cos, d_sin = -2.0 * sm * sh, 2.0 * cm * sh
-    s_2mid, c_2mid, s_2half = 2.0 * sm * cm, cm * cm - sm * sm, 2.0 * sh * ch
-    d_cos2, d_sin2 = -2.0 * s_2mid * s_2half, 2.0 * c_2mid * s_2half
+    w = _angular(piece.omega, piece.rates)
+    end, change = turned_waves(piece.omega, frame.waves, ds, piece.rates)
     b = piece.base
-    x = _change(b[0], b[1], w, cos, sin, d_cos, d_sin)
-    tilt = _change(b[2], b[3], w, cos, sin, d_cos, d_sin)
-    z = _change(b[4], b[5], 2.0 * w, cos2, sin2, d_cos2, d_sin2)
+    x = phasor_change(b[0], b[1], w[0], end[0], change[0])
+    tilt = phasor_change(b[2], b[3], w[1], end[1], change[1])
+    z = phasor_change(b[4], b[5], w[2], end[2], change[2])
     if piece.blend > 0.0:
         c, t = piece.change, piece.blend
-        u, u1 = s / t, (s + ds) / t
+        u, u1 = (s - piece.begin) / t, (s - piece.begin + ds) / t
         d_s = ds / t * (3.0 * (u1 + u) - 2.0 * (u1 * u1 + u1 * u + u * u))
-        blend = (u1 * u1 * (3.0 - 2.0 * u1), 6.0 * u1 * (1.0 - u1) / t, (6.0 - 12.0 * u1) / (t * t), d_s)
-        x = _blended_change(x, c[0] * cos + c[1] * sin, _change(c[0], c[1], w, cos, sin, d_cos, d_sin), blend)
-        tilt = _blended_change(tilt, c[2] * cos + c[3] * sin, _change(c[2], c[3], w, cos, sin, d_cos, d_sin), blend)
-        c_z = _change(c[4], c[5], 2.0 * w, cos2, sin2, d_cos2, d_sin2)
-        z = _blended_change(z, c[4] * cos2 + c[5] * sin2, c_z, blend)
-    return x, tilt, z
+        s0, s1, s2, _ = _blend(piece, s + ds)
+        blend = (s0, s1, s2, d_s)
+        x = plus_blend_change(x, c[0], c[1], w[0], end[0], change[0], blend)
+        tilt = plus_blend_change(tilt, c[2], c[3], w[1], end[1], change[1], blend)
+        z = plus_blend_change(z, c[4], c[5], w[2], end[2], change[2], blend)
+    return _plus_drift_change((x, tilt, z), w, end, change, s + ds, ds, piece.drift)
 
 
 @kernel
@@ -177,11 +181,38 @@ def _bound(w, blend, bc, bs, cc, cs):
 
 
 @kernel
-def bounds(piece):
-    """Bounds of the derivatives 0 to 4 of x, tilt and z over the piece."""
-    w, b, c = piece.omega, piece.base, piece.change
-    return (
-        _bound(w, piece.blend, b[0], b[1], c[0], c[1]),
-        _bound(w, piece.blend, b[2], b[3], c[2], c[3]),
-        _bound(2.0 * w, piece.blend, b[4], b[5], c[4], c[5]),
+def _plus_drift_bound(bound, w, t, dc, ds):
+    """A bound with a drift of the phasor for at most the time t added."""
+    d = math.hypot(dc, ds)
+    return Bounds(
+        bound.d0 + t * d,
+        bound.d1 + (w * t + 1.0) * d,
+        bound.d2 + w * (w * t + 2.0) * d,
+        bound.d3 + w * w * (w * t + 3.0) * d,
+        bound.d4 + w * w * w * (w * t + 4.0) * d,
     )
+
+
+@kernel
+def _plus_drift_bounds(limits, w, t, drift):
+    if drift is None:
+        return limits
+    else:
+        d = drift
+        return (
+            _plus_drift_bound(limits[0], w[0], t, d[0], d[1]),
+            _plus_drift_bound(limits[1], w[1], t, d[2], d[3]),
+            _plus_drift_bound(limits[2], w[2], t, d[4], d[5]),
+        )
+
+
+@kernel
+def bounds(piece):
+    """Bounds of the derivatives 0 to 4 of x, tilt and z over the piece, for times within one base cycle."""
+    w, b, c = _angular(piece.omega, piece.rates), piece.base, piece.change
+    limits = (
+        _bound(w[0], piece.blend, b[0], b[1], c[0], c[1]),
+        _bound(w[1], piece.blend, b[2], b[3], c[2], c[3]),
+        _bound(w[2], piece.blend, b[4], b[5], c[4], c[5]),
+    )
+    return _plus_drift_bounds(limits, w, 2.0 * math.pi / piece.omega, piece.drift)

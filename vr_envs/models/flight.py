@@ -4,93 +4,74 @@ from __future__ import annotations
 
 import math
 
-from vr_envs.models.bar import cos_sin, increments
 from vr_envs.models.jit import kernel
-from vr_envs.models.rest import UNDECIDED, flight_support
-from vr_envs.models.root import MAX_MARCH, TIME_RESOLUTION, certified_step, converged
+from vr_envs.models.root import MAX_MARCH, TIME_RESOLUTION, UNDECIDED, certified_step, converged
+from vr_envs.models.support import flight_support
+from vr_envs.models.surface import bend, contact_at, gap, gap_at, gap_bounds, opening
 
 AIRBORNE, BOUNCED, RELEASED = 0, 1, 2  # how a flight begins
+_HALVINGS = 60  # of a sampling interval: below the resolution of time
 
 
 @kernel
-def contact_at(frame, x, u, w):
-    """What a ball at `x` with velocity (u, w) meets: (height, normal and tangential velocity, place on the bar)."""
-    rx = x - frame.x[0]
-    rz = -rx * frame.sin / frame.cos
-    # the bar's material at the contact point moves with the centre's velocity + tilt rate y x r
-    ru, rw = u - frame.x[1] - frame.tilt[1] * rz, w - frame.z[1] + frame.tilt[1] * rx
-    normal, tangent = ru * frame.sin + rw * frame.cos, ru * frame.cos - rw * frame.sin
-    return frame.z[0] + rz, normal, tangent, rx / frame.cos
+def _sampled(piece, s, frame, end, gap_0, rx, rz, u, w, gravity, curve, textbook):
+    """First contact as Bell's simulator finds it: samples of the gap, then a binary search. Returns (hit, duration).
 
-
-@kernel
-def _bend(gravity, ax, at, az, speed, vt, reach, tan):
-    """Second derivative of the vertical gap: z - z_bar + (x - x_bar) tan(tilt), twice."""
-    sec2 = 1.0 + tan * tan
-    return -gravity - az - ax * tan + (2.0 * speed * vt + reach * (at + 2.0 * vt * vt * tan)) * sec2
-
-
-@kernel
-def _gap(piece, start, frame, ds, gap, rx, u, w, gravity):
-    """Vertical gap between ball and surface a time `ds` into a flight that began with `gap`, and two derivatives.
-
-    Everything is a difference from the start of the flight, so a gap of 1e-17 m keeps its digits.
+    Two contacts between samples are missed, and the ball passes through the bar's crest: that is the method.
     """
-    (dx, vx, ax), (dt, vt, at), (dz, vz, az) = increments(piece, frame, start, ds)
-    cos_d, sin_d = cos_sin(dt)
-    cos = frame.cos * cos_d - frame.sin * sin_d
-    tan = (frame.sin * cos_d + frame.cos * sin_d) / cos
-    sec2 = 1.0 + tan * tan
-    moved = u * ds - dx
-    value = gap + (w - 0.5 * gravity * ds) * ds - dz + moved * tan + rx * sin_d / (cos * frame.cos)
-    rate = w - gravity * ds - vz + (u - vx) * tan + (rx + moved) * vt * sec2
-    return value, rate, _bend(gravity, ax, at, az, u - vx, vt, rx + moved, tan)
+    interval = math.pi / piece.omega / textbook.samples
+    before = 0.0
+    while True:
+        after = min(before + interval, end - s)
+        value, _, _ = gap(piece, s, frame, after, gap_0, rx, rz, u, w, gravity, curve)
+        if value <= 0.0:
+            break
+        if s + after >= end:
+            return False, end - s
+        before = after
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (before + after)
+        value, _, _ = gap(piece, s, frame, middle, gap_0, rx, rz, u, w, gravity, curve)
+        if value > 0.0:
+            before = middle
+        else:
+            after = middle
+    return True, after
 
 
 @kernel
-def _gap_bounds(limits, tan, rx, u, remaining, gravity):
-    """Bounds on the absolute second and third derivative of the vertical gap over the rest of a flight.
-
-    `limits` and `tan` bound the bar's motion and the slope of its surface.
-    """
-    x, t, z = limits
-    sec2 = 1.0 + tan * tan
-    reach = abs(rx) + abs(u) * remaining + 2.0 * x.d0
-    speed = abs(u) + x.d1
-    turn = t.d1 * sec2
-    turning = (t.d2 + 2.0 * t.d1 * t.d1 * tan) * sec2
-    turning_rate = (t.d3 + 6.0 * t.d1 * t.d2 * tan + 2.0 * t.d1 * t.d1 * t.d1 * (sec2 + 2.0 * tan * tan)) * sec2
-    curvature = gravity + z.d2 + x.d2 * tan + 2.0 * speed * turn + reach * turning
-    return curvature, z.d3 + x.d3 * tan + 3.0 * (x.d2 * turn + speed * turning) + reach * turning_rate
-
-
-@kernel
-def flight(piece, limits, tan, s, frame, end, x, z, u, w, gravity, contact):
+def flight(piece, limits, tan, s, frame, end, x, z, u, w, gravity, contact, curve, textbook):
     """First contact of a flight from time s: (hit, duration), the duration UNDECIDED if the search does not end.
 
-    `contact`: AIRBORNE, BOUNCED (leaving the surface with a velocity) or RELEASED (leaving it without).
+    `contact`: AIRBORNE, BOUNCED (leaving the surface with a velocity) or RELEASED (leaving it without). `limits` and
+    `tan` bound the bar's motion and its slope.
     """
-    height, normal, tangent, d = contact_at(frame, x, u, w)
-    rx = x - frame.x[0]
-    curvature, jerk = _gap_bounds(limits, tan, rx, u, end - s, gravity)
-    gap = 0.0 if contact != AIRBORNE else z - height
+    at = contact_at(frame, x, z, u, w, curve)
+    rx, rz = x - frame.x[0], z - frame.z[0]
+    gap_0 = 0.0 if contact != AIRBORNE else gap_at(frame, x, z, curve)
+    if gap_0 <= 0.0 and contact != RELEASED and at.normal <= 0.0:
+        return True, 0.0
+    if textbook is not None:
+        return _sampled(piece, s, frame, end, gap_0, rx, rz, u, w, gravity, curve, textbook)
+    curvature, jerk = gap_bounds(limits, tan, rx, rz, u, w, end - s, gravity, curve)
     ds = 0.0
     if contact == RELEASED:
         # gap = -N s^2/2 - N' s^3/6 with N <= 0: begin where it has grown above rounding
-        force, slope = flight_support(frame, gravity, d, tangent)
+        force, slope = flight_support(frame, gravity, at.d, at.tangent, curve)
         ds = min(1e-3 / piece.omega, math.sqrt(2e-14 / max(-force, 1e-12)))
         if slope < 0.0:
             ds = min(ds, (6e-14 / -slope) ** (1.0 / 3.0))
-    elif gap <= 0.0:
-        if normal <= 0.0:
-            return True, 0.0
-        f = frame
-        second = _bend(gravity, f.x[2], f.tilt[2], f.z[2], u - f.x[1], f.tilt[1], rx, f.sin / f.cos)
-        gap, ds = 0.0, certified_step(0.0, normal / f.cos, second, jerk, curvature)
+    elif gap_0 <= 0.0:
+        if curve is None:
+            f = frame
+            second = bend(gravity, f.x[2], f.tilt[2], f.z[2], u - f.x[1], f.tilt[1], rx, f.sin / f.cos)
+        else:
+            _, _, second = gap(piece, s, frame, 0.0, 0.0, rx, rz, u, w, gravity, curve)
+        gap_0, ds = 0.0, certified_step(0.0, opening(at, frame, curve), second, jerk, curvature)
     for _ in range(MAX_MARCH):
         if s + ds >= end:
             return False, end - s
-        value, slope, second = _gap(piece, s, frame, ds, gap, rx, u, w, gravity)
+        value, slope, second = gap(piece, s, frame, ds, gap_0, rx, rz, u, w, gravity, curve)
         if value <= 0.0:
             return True, ds
         step = certified_step(value, slope, second, jerk, curvature)

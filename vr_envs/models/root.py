@@ -8,6 +8,7 @@ from vr_envs.models.jit import kernel
 
 TIME_RESOLUTION = 1e-17  # s, about a unit in the last place of a base cycle's time
 MAX_MARCH = 1000  # steps; the most seen over grazing launches is about 150
+UNDECIDED = -1.0  # s, in place of a time: the search did not end
 
 
 @kernel

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from vr_envs.models.ball_on_bar import cycle, piece_at
+from vr_envs.models.ball_on_bar import interval
 from vr_envs.models.bar import Frame, frame_at
+from vr_envs.models.drive import base_cycle, piece_at
 from vr_envs.render.base import Painter
 from vr_envs.render.canvas import Box, Point, View
 from vr_envs.render.chart import History, Strip, nice_step
@@ -42,6 +43,7 @@ TOP = 40.0  # point below which the scene begins
 HEADROOM = 165.0  # points for twice the height of the period-one bounce
 TRAIL_CYCLES, TRAIL_PARTS = 4.0, 24
 CHART_SPAN = 10.0  # s
+CURVE_POINTS = 33
 DIAL = 28.0  # points, radius: the largest amplitude that an action can ask for
 
 
@@ -55,7 +57,7 @@ class Moment(NamedTuple):
 
 
 class BallOnBarPainter(Painter):
-    """Draws a state at the start of its base cycle; `frames` draws the instants between two states."""
+    """Draws a state at the start of its control interval; `frames` draws the instants between two states."""
 
     TITLE = "Ball on a bar"
 
@@ -67,10 +69,11 @@ class BallOnBarPainter(Painter):
         bounce = p.gravity * p.period**2 / 32.0  # height of a flight of half a base cycle
         self.magnification = 1.0 / nice_step(2.0 * bounce * x_scale / HEADROOM)
         self.view = View((0.5 * WIDTH, BAR_LEVEL), x_scale, self.magnification * x_scale)
+        self.interval = p.hold * p.period
         self._forget()
 
     def paint(self, state: np.void) -> None:
-        """Draw a state; the trail since the state drawn before, if that is one cycle back, is the ball's exact path."""
+        """Draw a state; the trail since the state drawn before, if one interval back, is the exact path."""
         self._begin(state)
         before = self._before
         if before is not None and before["steps"] + 1 == state["steps"]:
@@ -79,9 +82,9 @@ class BallOnBarPainter(Painter):
         self._finish(state)
 
     def frames(self, before: np.void, after: np.void, n: int) -> Iterator[np.ndarray | None]:
-        """`n` pictures of the cycle from the state `before` to the state `after`, the last one of `after`: slow motion.
+        """`n` pictures of the interval from state `before` to state `after`, the last one of `after`: slow motion.
 
-        Both are states of one episode, one cycle apart. Each picture is what `draw` gives.
+        Both are states of one episode, one interval apart. Each picture is what `draw` gives.
         """
         self._begin(before)
         parts = n * math.ceil(TRAIL_PARTS / n)
@@ -99,12 +102,22 @@ class BallOnBarPainter(Painter):
         """The `parts` equally spaced instants after `before` up to `after`."""
         old, new = tuple(before["motion"].tolist()), tuple(after["motion"].tolist())
         for k in range(1, parts + 1):
-            s = self.params["period"] * k / parts
+            s = self.interval * k / parts
             ball = before.copy()
-            cycle(ball, new, self.params, self.options["scatter"], self.options["spin"], None, s)
-            bar = frame_at(piece_at(old, new, s, self.params), s)
+            interval(ball, new, self.params, *self.options.values(), None, s)
             # the last time is exactly that of `after`
-            yield Moment((int(before["steps"]) + k / parts) * self.params["period"], s, ball, bar)
+            yield self._moment((int(before["steps"]) + k / parts) * self.interval, s, ball, old, int(before["steps"]))
+
+    def _moment(self, time: float, s: float, ball: np.void, old: tuple[float, ...], steps: int) -> Moment:
+        """The moment `s` after the start of interval number `steps`, when the bar began to leave the motion `old`."""
+        number, begin = base_cycle(steps, self.params)
+        new = tuple(ball["motion"].tolist())
+        passed = int((begin + s) // self.params["period"])
+        since = begin + s - passed * self.params["period"]
+        from_motion, from_time = (new, 0.0) if passed else (old, begin)
+        drive = self.options["frequencies"], self.options["ramp"]
+        bar = frame_at(piece_at(from_motion, new, since, from_time, number + passed, self.params, *drive), since)
+        return Moment(time, since, ball, bar)
 
     def _begin(self, state: np.void) -> None:
         """Forget what was drawn if `state` is of another episode, or earlier in the same one."""
@@ -123,9 +136,10 @@ class BallOnBarPainter(Painter):
     def _finish(self, state: np.void) -> None:
         """Draw the state itself and remember it."""
         motion = tuple(state["motion"].tolist())
-        time = int(state["steps"]) * self.params["period"]
+        steps = int(state["steps"])
+        time = steps * self.interval
         self._before = state.copy()
-        moment = Moment(time, 0.0, self._before, frame_at(piece_at(motion, motion, 0.0, self.params), 0.0))
+        moment = self._moment(time, 0.0, self._before, motion, steps)
         self._remember(moment)
         self._places.add(time, float(state["x"]))
         self._draw(moment)
@@ -180,11 +194,17 @@ class BallOnBarPainter(Painter):
         return self.view(x, 0.0)[0], y
 
     def _bar(self, bar: Frame) -> None:
-        half = self.params["half_length"]
-        ends = [self.view(bar.x[0] + d * bar.cos, bar.z[0] - d * bar.sin) for d in (-half, half)]
-        (x0, y0), (x1, y1) = ends
-        self.canvas.polygon([(x0, y0), (x1, y1), (x1, y1 + 8.0), (x0, y0 + 8.0)], BLUE)
-        self.canvas.line(ends, mix(BLUE, INK, 0.45), 1.6)
+        half, curve = self.params["half_length"], self.options["curve"]
+        curvature = 0.0 if curve is None else float(curve["curvature"])
+        surface = [
+            self.view(bar.x[0] + d * bar.cos + q * bar.sin, bar.z[0] - d * bar.sin + q * bar.cos)
+            for d in np.linspace(-half, half, 2 if curve is None else CURVE_POINTS)
+            for q in [0.5 * curvature * d * d]
+        ]
+        (x0, y0), (x1, y1) = surface[0], surface[-1]
+        below = 8.0 if curvature <= 0.0 else 8.0 + max(y for _, y in surface) - max(y0, y1)
+        self.canvas.polygon([*surface, (x1, y1 + below), (x0, y0 + below)], BLUE)
+        self.canvas.line(surface, mix(BLUE, INK, 0.45), 1.6)
         x, y = self.view(bar.x[0], bar.z[0])
         self.canvas.polygon([(x, y + 10.0), (x - 6.0, y + 20.0), (x + 6.0, y + 20.0)], BLUE)
 

@@ -1,0 +1,84 @@
+"""The end of a chatter: infinitely many impacts in a finite time, summed once the supporting force hardly changes."""
+
+from __future__ import annotations
+
+import math
+
+from vr_envs.models.bar import frame_at
+from vr_envs.models.jit import kernel
+from vr_envs.models.rolling import STILL, inertia_of
+from vr_envs.models.support import flight_support, forces_at, gripping, pull_bound, support_curvature
+from vr_envs.models.surface import steepness
+
+STEADY = 1e-3  # share by which the supporting force may change during a chatter that is summed in closed form
+_EVEN = 1e-6  # share by which a restitution that depends on the speed may differ from its limit in such a chatter
+_BLUR = 1e-12  # m, how far a ball may slip in a chatter whose slip is not summed
+
+
+@kernel
+def _positive_part(mean, deviation):
+    """Expectation of max(0, mean + deviation N), N standard normal."""
+    t = mean / deviation
+    return mean * 0.5 * math.erfc(-t / math.sqrt(2.0)) + deviation * math.exp(-0.5 * t * t) / math.sqrt(2.0 * math.pi)
+
+
+@kernel
+def mean_restitution(restitution, scatter):
+    """Mean of the restitution over its scatter, which is clipped to [0, 1]."""
+    if scatter is not None:
+        if scatter.restitution > 0.0:
+            deviation = scatter.restitution
+            return _positive_part(restitution, deviation) - _positive_part(restitution - 1.0, deviation)
+    return restitution
+
+
+@kernel
+def settle(
+    state, piece, frame, limits, s, end, contact, normal, tangent, params, scatter, spin, friction, softening, curve
+):
+    """After an impact: put the ball to rest if, in the time that the chatter will take, the force hardly changes.
+
+    `contact` is where it was, `normal` and `tangent` the velocities with which the ball leaves it. The bound on the
+    change is certified, so the bar cannot fall away during the chatter. Returns the time, which has moved on if the
+    ball has come to rest.
+    """
+    d = contact.d
+    force, jerk = flight_support(frame, params.gravity, d, tangent, curve)
+    if force <= 0.0:
+        return s
+    inertia_ratio, radius = inertia_of(spin)
+    opening, rate = normal * steepness(d, curve), tangent / steepness(d, curve)
+    alpha = mean_restitution(params.restitution, scatter)
+    wait = 0.0
+    if normal > STILL:
+        lost = 1.0 - alpha
+        wait = 2.0 * opening / (force * lost)
+        arm = inertia_ratio * radius
+        pull = pull_bound(limits, params.gravity, params.half_length, abs(rate), arm, curve)
+        curvature = support_curvature(limits, params.gravity, abs(d), abs(rate), pull, arm, curve)
+        if not (abs(jerk) + 0.5 * curvature * wait) * wait < STEADY * force:  # nan without losses
+            return s
+        if softening is not None:
+            if softening.exponent * normal > _EVEN * lost * softening.speed:
+                return s
+        if friction is not None:
+            if wait * (abs(tangent) + abs(state.spin)) > _BLUR:
+                return s
+        # accumulation time, with the first correction for a changing effective gravity
+        wait *= 1.0 - 2.0 / 3.0 * jerk * opening / (lost * force * force)
+        if s + wait >= end:
+            return s
+    state.resting = True
+    # between impacts the ball is pulled along the bar as a free, or in the mean a rolling, one
+    pull = gripping(forces_at(frame_at(piece, s + 0.5 * wait), params.gravity), d, rate, inertia_ratio, radius, curve)
+    if friction is not None:
+        state.d, state.rate = d + rate * wait, rate
+    elif spin is None and params.tangential_loss > 0.0:
+        # flights of 2 W alpha^k / M, and (1 - c) of the velocity kept at each of infinitely many impacts
+        first = 2.0 * opening / force
+        kept = alpha * (1.0 - params.tangential_loss)
+        drift = rate / (1.0 - kept) + pull * first / (1.0 - alpha * alpha) * (0.5 + kept / (1.0 - kept))
+        state.d, state.rate = d + drift * first, 0.0
+    else:
+        state.d, state.rate = d + (rate + 0.5 * pull * wait) * wait, rate + pull * wait
+    return s + wait
