@@ -44,7 +44,9 @@ def test_the_module_is_the_command():
 
 
 @pytest.mark.parametrize(
-    "command", [[], ["list"], ["evaluate"], ["render"], ["tune"], ["bench"], ["bench", "speed"]], ids=" ".join
+    "command",
+    [[], ["list"], ["evaluate"], ["render"], ["tune"], ["bench"], ["bench", "speed"], ["experiment"]],
+    ids=" ".join,
 )
 def test_help_has_examples(capsys, command):
     with pytest.raises(SystemExit) as end:

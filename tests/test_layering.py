@@ -15,7 +15,7 @@ ALLOWED = {
     "controllers": {"models", "envs", "controllers"},
     "evaluation": {"models", "envs", "controllers", "evaluation"},
     "render": {"models", "envs", "render"},
-    "experiments": {"models", "experiments"},
+    "experiments": {"models", "evaluation", "render", "experiments"},
     "bench": {"models", "envs", "bench"},
     "cli": {"models", "envs", "controllers", "evaluation", "render", "bench", "experiments", "cli"},
 }

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 
 import vr_envs
-from vr_envs.cli import bench, evaluate, listing, render, tune
+from vr_envs.cli import bench, evaluate, experiment, listing, render, tune
 from vr_envs.cli.common import UserError
 
 
@@ -16,7 +16,7 @@ def parser() -> argparse.ArgumentParser:
     top = argparse.ArgumentParser(prog="vr-envs", description=vr_envs.__doc__)
     top.add_argument("--version", action="version", version=vr_envs.__version__)
     commands = top.add_subparsers(metavar="COMMAND", dest="command", required=True)
-    for command in (listing, evaluate, render, tune, bench):
+    for command in (listing, evaluate, render, tune, bench, experiment):
         command.add(commands)
     return top
 

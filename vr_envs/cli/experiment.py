@@ -1,0 +1,68 @@
+"""`vr-envs experiment`: the figures and tables of the source documents, run again."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from pathlib import Path
+from typing import Any
+
+from vr_envs.cli.common import UserError, add_command, user_input, whole
+
+
+def add(commands: Any) -> None:
+    """Declare the arguments."""
+    parser = add_command(
+        commands,
+        "experiment",
+        "run the figures and tables of the source documents again: picture, CSV, and expected against found",
+        "  vr-envs experiment --list\n"
+        "  vr-envs experiment period-one\n"
+        "  vr-envs experiment --all --jobs 2 --out runs/experiments",
+    )
+    parser.add_argument("names", nargs="*", metavar="NAME", help="one or more experiments, see --list")
+    parser.add_argument("--all", action="store_true", help="all of them")
+    parser.add_argument("--list", action="store_true", help="list them and run none")
+    parser.add_argument("--out", default="runs/experiments", metavar="FOLDER", help="default runs/experiments")
+    parser.add_argument("--jobs", type=whole(1), default=1, metavar="N", help="processes at a time; default 1")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Run, write and print."""
+    from vr_envs.experiments.catalogue import EXPERIMENTS
+
+    if arguments.list:
+        print(overview())
+        return
+    for name in arguments.names:
+        if name not in EXPERIMENTS:
+            raise UserError(f"there is no experiment {name!r}; choose among {', '.join(EXPERIMENTS)}")
+    if bool(arguments.names) == arguments.all:
+        raise UserError("give names of experiments (see --list), or --all")
+    names = list(EXPERIMENTS) if arguments.all else list(dict.fromkeys(arguments.names))
+    folder = Path(arguments.out)
+    with user_input():
+        folder.mkdir(parents=True, exist_ok=True)
+    if not os.access(folder, os.W_OK):
+        raise UserError(f"cannot write to {folder}: permission denied")
+    from vr_envs.experiments.runner import run_all, summary
+
+    agreed, total = 0, 0
+    try:
+        for name, findings in run_all(names, folder, arguments.jobs):
+            print(summary(name, findings), end="\n\n", flush=True)
+            agreed += sum(finding.agrees for finding in findings)
+            total += len(findings)
+    except ImportError as error:
+        raise UserError(str(error)) from error
+    print(f"{agreed} of {total} findings agree; pictures and tables in {folder}")
+
+
+def overview() -> str:
+    """One line per experiment."""
+    from vr_envs.evaluation.table import markdown
+    from vr_envs.experiments.catalogue import EXPERIMENTS
+
+    body = [[e.name, e.figure, e.title] for e in EXPERIMENTS.values()]
+    return markdown(["name", "source", "what"], body, left=range(3))
