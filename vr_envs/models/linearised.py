@@ -14,12 +14,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from vr_envs.models.ball_on_bar import LOGGED, OPTIONS, State, cycle
+from vr_envs.models.ball_on_bar import LOGGED, State, interval
+from vr_envs.models.ball_options import OPTIONS
 from vr_envs.models.jit import kernel
 from vr_envs.models.record import dtype_of
 
-RANDOM = ("scatter",)
-"""Options that make the map a random one: it has no derivative."""
+LEFT_OUT = ("scatter", "frequencies", "ramp", "sensing", "textbook")
+"""Options without which the map is considered: with them it is random, another one in each cycle, or sampled."""
 
 STEP = 1e-2  # of the coarsest difference, in units of `CycleMap.scales`
 HALVINGS = 12  # of that step, until no perturbed ball has another number of impacts
@@ -31,8 +32,8 @@ MOST_IMPACTS = 8  # of a cycle that are kept
 
 
 def smooth(options: Sequence[np.void | None]) -> tuple[np.void | None, ...]:
-    """`options` (records in the order of `OPTIONS`) without those that are random."""
-    return tuple(None if name in RANDOM else o for name, o in zip(OPTIONS, options, strict=True))
+    """`options` (records in the order of `OPTIONS`) without those that have no differentiable map of one cycle."""
+    return tuple(None if name in LEFT_OUT else o for name, o in zip(OPTIONS, options, strict=True))
 
 
 @kernel
@@ -40,7 +41,7 @@ def _images(states, motions, until, params, options, logs):
     """Move ball i to the time `until` (s) of a cycle in which its bar goes to the motion in row i; log in `logs[i]`."""
     for i in range(states.shape[0]):
         new = (motions[i, 0], motions[i, 1], motions[i, 2], motions[i, 3], motions[i, 4], motions[i, 5])
-        cycle(states[i], new, params, *options, logs[i], until)
+        interval(states[i], new, params, *options, logs[i], until)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -82,17 +83,21 @@ class CycleMap:
     """
 
     def __init__(self, params: np.void, options: Sequence[np.void | None], state: type = State) -> None:
-        """`params`: record of `Params`; `options`: a record or None for each of `OPTIONS`, without scatter.
+        """`params`: record of `Params` (`hold` does not matter); `options`: a record or None for each of `OPTIONS`.
 
         `state` is the record class of the ball, `State` or one derived from it whose kernels are compiled already.
 
         Raises:
-            ValueError: an option makes the map random.
+            ValueError: an option with which there is no differentiable map of one cycle.
         """
         for name, option in zip(OPTIONS, options, strict=True):
-            if name in RANDOM and option is not None:
-                raise ValueError(f"the option {name!r} makes the cycle map random; give None for it (see `smooth`)")
-        self.params, self.options, self._record = params, tuple(options), dtype_of(state)
+            if name in LEFT_OUT and option is not None:
+                raise ValueError(
+                    f"no differentiable map of one cycle with the option {name!r}; give None (see `smooth`)"
+                )
+        self.params = params.copy()
+        self.params["hold"] = 1.0
+        self.options, self._record = tuple(options), dtype_of(state)
         spins = self.options[list(OPTIONS).index("spin")] is not None
         self.coordinates = ("x", "u", "z", "w", "spin") if spins else ("x", "u", "z", "w")
         self.horizontal = np.array([name not in ("z", "w") for name in self.coordinates])
@@ -208,8 +213,8 @@ class CycleMap:
     def orbit(self, motion: np.ndarray, m: int = 1, half: int = 0) -> Orbit:
         """The period-one orbit of a constant motion (6,), by Newton from `period_one`, which has the arguments.
 
-        With m = 1 the orbit repeats after half a base cycle as its own mirror image, as the bar does; Newton on that map
-        is well conditioned even where the ball's place on the bar is neutral. With m = 2 it is the point nearest
+        With m = 1 the orbit repeats after half a base cycle as its own mirror image, as the bar does; Newton on that
+        map is well conditioned even where the ball's place on the bar is neutral. With m = 2 it is the point nearest
         to the start along a neutral direction.
 
         Raises:
