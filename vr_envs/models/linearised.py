@@ -232,8 +232,11 @@ class CycleMap:
         return Orbit(ball, motion, at, self._growth(at.state))
 
     def _growth(self, state: np.ndarray) -> float:
-        """`Orbit.growth`: a mode is horizontal where the ball moves more along the bar than up, in natural units."""
-        multipliers, modes = np.linalg.eig(state)
-        share = np.abs(modes / self.scales[: len(state), None]) ** 2
-        horizontal = share[self.horizontal].sum(axis=0) > share[~self.horizontal].sum(axis=0)
+        """`Orbit.growth`: a mode is horizontal where x, u and spin take more part in it than z and w.
+
+        Participation is the product of a mode's right and left eigenvector, which does not depend on units.
+        """
+        multipliers, modes = np.linalg.eig(state / self.scales[: len(state), None] * self.scales[: len(state)])
+        part = np.abs(modes * np.linalg.pinv(modes).T)
+        horizontal = part[self.horizontal].sum(axis=0) > part[~self.horizontal].sum(axis=0)
         return float(np.log(np.abs(multipliers[horizontal]).max()) / (2.0 * math.pi))
