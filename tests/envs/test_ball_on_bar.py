@@ -9,7 +9,8 @@ from scipy.stats import kstest
 import vr_envs  # noqa: F401
 from vr_envs.controllers.ball_on_bar import BellSink
 from vr_envs.controllers.ladder import baseline_of, ladder
-from vr_envs.envs.ball_on_bar import FALL_SCALE, HEIGHT_SCALE, SPEED_SCALE, TASK, BallOnBarBatchEnv, BallOnBarEnv
+from vr_envs.envs.ball_on_bar import TASK, BallOnBarBatchEnv, BallOnBarEnv
+from vr_envs.envs.ball_on_bar_observation import FALL_SCALE, HEIGHT_SCALE, SPEED_SCALE
 from vr_envs.envs.scene import resolve
 from vr_envs.evaluation.rollout import rollout
 from vr_envs.evaluation.scenarios import scenario_set

@@ -112,10 +112,18 @@ def support(frame, gravity, d, rate, pull, curve):
 
 @kernel
 def flight_support(frame, gravity, d, tangent, curve):
-    """`support` for a ball that touches the bar in free flight with the tangential velocity `tangent` (m/s)."""
+    """Minus the second and third derivative of the gap, for a ball that touches the bar in free flight.
+
+    `tangent`: its tangential velocity (m/s). On a curve no force turns its path, as it would that of a
+    ball which the bar supports.
+    """
     rate = tangent / steepness(d, curve)
     pull = gripping(forces_at(frame, gravity), d, rate, 0.0, 0.0, curve)
-    return support(frame, gravity, d, rate, pull, curve)
+    force, slope = support(frame, gravity, d, rate, pull, curve)
+    if curve is not None:
+        bent = curve.curvature / steepness(d, curve)
+        slope += 2.0 * bent * bent * d * rate * force
+    return force, slope
 
 
 @kernel
@@ -167,4 +175,5 @@ def support_curvature(limits, gravity, d, rate, pull, arm, curve):
         bent = pull * force + 2.0 * rate * force_1 + d * force_2 + 2.0 * (pull * pull + rate * jerk)
         bent += (rate * rate + d * pull) * t.d1 * t.d1 + 4.0 * d * rate * t.d1 * t.d2
         bent += d * d * (t.d2 * t.d2 + t.d1 * t.d3)
+        bent += 2.0 * k * ((rate * rate + d * pull) * force + d * rate * force_1)  # see `flight_support`
         return force_2 + 2.0 * spun + arc + k * bent
