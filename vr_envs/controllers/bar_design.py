@@ -69,3 +69,15 @@ class Design:
         kept = np.block([[state, old + new], [np.zeros((6, k)), np.eye(6)]])
         later = np.linalg.matrix_power(kept, round(self.hold) - 1)
         return later @ a, later @ b
+
+
+def within_reach(action: np.ndarray, changes: np.ndarray) -> np.ndarray:
+    """Actions (n, 6): `action` (6,) plus `changes` (n, 6), each shortened, not bent, to stay in the box.
+
+    Cutting single parts off would turn a kick that pushes the ball back into another kick; a shorter one lies between
+    the feedback and none.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        room = np.where(changes > 0.0, (1.0 - action) / changes, (-1.0 - action) / changes)
+    share = np.fmin(1.0, np.where(changes == 0.0, np.inf, room).min(axis=1))
+    return np.clip(action + share[:, None] * changes, -1.0, 1.0).astype(np.float32)

@@ -7,7 +7,7 @@ from typing import ClassVar
 import numpy as np
 from scipy.linalg import solve_discrete_are
 
-from vr_envs.controllers.bar_design import Design
+from vr_envs.controllers.bar_design import Design, within_reach
 from vr_envs.controllers.bell_sink import BellSink, sink_action
 from vr_envs.envs.scene import Scene
 
@@ -63,5 +63,4 @@ class LinearQuadratic:
 
     def __call__(self, observations: np.ndarray) -> np.ndarray:
         """Actions (n, 6) for observations (n, width)."""
-        deviations = self.design.state(observations) - self.target
-        return np.clip(self.action - deviations @ self.gain.T, -1.0, 1.0).astype(np.float32)
+        return within_reach(self.action, (self.target - self.design.state(observations)) @ self.gain.T)
