@@ -22,7 +22,7 @@ ALLOWED = {
 LIBRARIES = {
     "models": {"math", "numpy", "numba"},
     "envs": {"numpy", "gymnasium"},
-    "controllers": {"numpy"},
+    "controllers": {"numpy", "scipy"},
 }
 STANDARD = set(sys.stdlib_module_names)
 

@@ -32,7 +32,9 @@ def trace_of_an_impact(acceleration, alpha, m=1):
     return 1 + alpha**2 - (1 + alpha) ** 2 * acceleration * math.sqrt(1 - cos**2) / GRAVITY
 
 
-@pytest.mark.parametrize(("alpha", "acceleration"), [(0.75, 8.0), (0.75, 5.0), (0.856, 3.0), (0.856, 12.0), (0.68, 10.4)])
+@pytest.mark.parametrize(
+    ("alpha", "acceleration"), [(0.75, 8.0), (0.75, 5.0), (0.856, 3.0), (0.856, 12.0), (0.68, 10.4)]
+)
 @pytest.mark.parametrize("frequency", [15.0, 2.0])
 def test_vertical_block_has_the_determinant_and_trace_of_the_formula(alpha, acceleration, frequency):
     a_map = cycle_map(restitution=alpha, frequency=frequency)
@@ -92,7 +94,7 @@ def test_a_change_of_the_lasting_motion_moves_the_orbit_as_the_closed_form_says(
 
 
 def test_the_bar_drags_the_ball_along_by_the_part_lost():
-    """On a flat bar each impact takes the part c of the difference to the bar's velocity, along the blend as after it."""
+    """On a flat bar each impact takes the part c of the difference to the bar's velocity, during a blend too."""
     loss = 0.4
     a_map = cycle_map(tangential_loss=loss)
     orbit = a_map.orbit(upright(a_map, 8.0))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -43,16 +43,19 @@ def sink_action(design: Design, scene: Scene, x: float, tilt: float, z: float) -
     def growth(phase: float) -> float:
         return design.growth(parabolic_action(scene, x, tilt, z, phase))
 
-    phases = 2.0 * math.pi * np.arange(SCAN) / SCAN
+    step = 2.0 * math.pi / SCAN
+    phases = step * np.arange(SCAN)
     rates = np.array([growth(phase) for phase in phases])
     if not np.isfinite(rates).any():
         return parabolic_action(scene, x, tilt, z, BELL_PHASE)
-    start, step = phases[rates.argmin()], 2.0 * math.pi / SCAN
-    best = minimize_scalar(
-        growth, bounds=(start - step, start + step), method="bounded", options={"xatol": PHASE_TOLERANCE}
-    )
-    phase = best.x if best.fun < rates.min() else start
-    return parabolic_action(scene, x, tilt, z, float(phase))
+    found = [(rates.min(), phases[rates.argmin()])]
+    # gamma may have two valleys of nearly the same depth, half a turn apart
+    for valley in phases[(rates <= np.roll(rates, 1)) & (rates <= np.roll(rates, -1)) & np.isfinite(rates)]:
+        best: Any = minimize_scalar(
+            growth, bounds=(valley - step, valley + step), method="bounded", options={"xatol": PHASE_TOLERANCE}
+        )
+        found.append((best.fun, best.x))
+    return parabolic_action(scene, x, tilt, z, float(min(found)[1]))
 
 
 class BellSink(Constant):

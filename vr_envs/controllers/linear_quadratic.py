@@ -35,8 +35,8 @@ class LinearQuadratic:
 
     TUNABLE: ClassVar[dict[str, tuple[float, float, float]]] = {
         **BellSink.TUNABLE,
-        "effort": (1e-2, 1e4, 10.0),
-        "z_effort": (1e-2, 1e4, 10.0),
+        "effort": (1e-3, 1e4, 1.0),
+        "z_effort": (1e-3, 1e4, 1.0),
     }
 
     def __init__(self, scene: Scene, **gains: float) -> None:

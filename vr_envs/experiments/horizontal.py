@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from vr_envs.models.linearised import CycleMap
 from vr_envs.models.record import pack
 
 RESTITUTION = 0.856
+FREQUENCY = 15.0  # Hz, of x and tilt; z has twice as much
 Z_ACCELERATION = 8.0  # m/s^2
 TILT_ACCELERATION = 200.0  # rad/s^2
 
@@ -35,9 +36,9 @@ class ContactLaw:
     loss: float
     spins: bool = False
 
-    def cycle_map(self, restitution: float = RESTITUTION) -> CycleMap:
-        """The map of the ball with this law."""
-        params = Params(restitution=restitution, tangential_loss=self.loss, z_acceleration=Z_ACCELERATION)
+    def cycle_map(self, frequency: float = FREQUENCY) -> CycleMap:
+        """The map of the ball with this law; `frequency` of x and tilt, Hz."""
+        params = Params(restitution=RESTITUTION, tangential_loss=self.loss, frequency=frequency)
         return CycleMap(pack(params), [pack(Spin()) if name == "spin" and self.spins else None for name in OPTIONS])
 
 
@@ -54,7 +55,7 @@ def parabolic(cycle_map: CycleMap, x: float, tilt: float, phase: float, z: float
     return np.array([x / w2, 0.0, tilt / w2 * math.sin(phase), tilt / w2 * math.cos(phase), z / (4.0 * w2), 0.0])
 
 
-def growth_rates(cycle_map: CycleMap, x: float, tilts: Iterable[float], phases: Sequence[float]) -> np.ndarray:
+def growth_rates(cycle_map: CycleMap, x: float, tilts: Iterable[float], phases: np.ndarray) -> np.ndarray:
     """gamma / omega (tilts, phases) at the x acceleration `x`, for tilt accelerations `tilts` and phases phi."""
     return np.array(
         [[cycle_map.orbit(parabolic(cycle_map, x, tilt, phase)).growth for phase in phases] for tilt in tilts]

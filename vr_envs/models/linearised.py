@@ -107,7 +107,7 @@ class CycleMap:
         motion = [length, length, 0.25, 0.25, length, length]
         self.scales = np.array([*ball, *motion, *motion])
 
-    def _run(self, points: np.ndarray, until: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def run(self, points: np.ndarray, until: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Images (k, n) of points (k, n + 12), NaN where the ball does not fly; impacts (k,); logs (k, capacity, .)."""
         n = len(self.coordinates)
         states = np.zeros(len(points), self._record)
@@ -131,13 +131,13 @@ class CycleMap:
         """
         n, end = len(self.coordinates), float(self.params["period"]) if until is None else until
         point = np.concatenate([ball, old, new])
-        images, impacts, logs = self._run(point[None], end)
+        images, impacts, logs = self.run(point[None], end)
         if not np.isfinite(images).all():
             raise ValueError("the ball comes to rest on the bar or leaves it within the cycle: there is no derivative")
         step = STEP
         for _ in range(HALVINGS):
             sides = [sign * size * step * np.diag(self.scales) for size in SIZES for sign in (1.0, -1.0)]
-            found, counts, _ = self._run(point + np.concatenate(sides), end)
+            found, counts, _ = self.run(point + np.concatenate(sides), end)
             if (counts == impacts[0]).all() and np.isfinite(found).all():
                 break
             step *= 0.5
@@ -196,7 +196,7 @@ class CycleMap:
     def _newton(self, ball: np.ndarray, motion: np.ndarray, until: float, mirror: np.ndarray) -> np.ndarray:
         """The state that comes back, mirrored by the signs `mirror`, at the time `until`."""
         n = len(ball)
-        scales = self.scales[:n]
+        scales, step = self.scales[:n], np.zeros(n)
         for _ in range(NEWTON_STEPS):
             at = self.derivative(ball, motion, motion, until)
             residual = (mirror * at.image - ball) / scales
