@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from vr_envs.experiments.simulation import SimulationError, ball, bar_motion, scan, simulate
-from vr_envs.models.ball_on_bar import Params, Scatter, Spin
+from vr_envs.models.ball_on_bar import Params
+from vr_envs.models.ball_options import Curve, Frequencies, Friction, Ramp, Scatter, Spin
 
 PARAMS = Params(frequency=15.0, restitution=0.68)
 GRAVITY = PARAMS.gravity
@@ -68,6 +69,39 @@ def test_samples_lie_on_the_flights_and_on_the_bar():
     start, since = trace.impacts[before[flying]], (t - hits[before])[flying]
     expected = start["z"] + start["w_out"] * since - GRAVITY / 2 * since**2
     np.testing.assert_allclose(trace.samples["z"][flying], expected, atol=1e-14)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"curve": Curve(13.0)},
+        {"frequencies": Frequencies(x=1.3, tilt=0.7, z=2.2)},
+        {"ramp": Ramp(x_cos=0.3, tilt_sin=5.0, z_cos=0.5)},
+        {"spin": Spin(), "friction": Friction(0.1)},
+    ],
+    ids=lambda options: "-".join(options),
+)
+@pytest.mark.parametrize("hold", [1.0, 0.5])
+def test_departure_holds_with_every_option_that_moves_or_bends_the_bar(options, hold):
+    params = Params(restitution=0.8, hold=hold)
+    motion = bar_motion(params, x=2.0, tilt=30.0, tilt_phase=1.0, z=8.0)
+    rows = np.tile(motion, (round(20 / hold), 1))
+    rows[::2] *= 1.05
+    trace = simulate(params, rows, ball(motion, x=0.002, z=0.004, u=0.01), 20, options, sample_rate=400.0)
+    assert not trace.lost
+    assert trace.free.sum() > 15
+    first, second = trace.impacts[:-1][trace.free], trace.impacts[1:][trace.free]
+    t = trace.flight_times[trace.free]
+    np.testing.assert_allclose(first["x"] + first["u_out"] * t, second["x"], atol=1e-14)
+    np.testing.assert_allclose(first["z"] + (first["w_out"] - GRAVITY / 2 * t) * t, second["z"], atol=1e-14)
+    np.testing.assert_allclose(trace.seconds(trace.samples), np.arange(len(trace.samples)) / 400.0, atol=1e-12)
+
+
+def test_a_ramp_raises_the_bar_from_cycle_to_cycle():
+    motion = bar_motion(PARAMS, z=5.0)
+    trace = simulate(PARAMS, motion, ball(motion, z=0.002), 300, {"ramp": Ramp(z_cos=0.1)}, sample_rate=15.0)
+    expected = (5.0 + 0.1 * trace.seconds(trace.samples)) / (2 * PARAMS.omega) ** 2
+    np.testing.assert_allclose(trace.samples["bar_z"], expected, rtol=1e-12)
 
 
 def test_a_run_in_two_parts_is_the_same_bytes():
@@ -133,7 +167,7 @@ START = ball(MOTION, z=0.002)
         (lambda: simulate(PARAMS, MOTION, START, 0), "at least 1"),
         (lambda: simulate(PARAMS, MOTION, START, 3, sample_rate=-1.0), "sample_rate"),
         (lambda: simulate(PARAMS, MOTION, START, 3, {"spni": Spin()}), "choose among scatter, spin"),
-        (lambda: simulate(PARAMS, MOTION, START, 3, {"spin": True}), "ball_on_bar.Spin"),
+        (lambda: simulate(PARAMS, MOTION, START, 3, {"spin": True}), "ball_options.Spin"),
         (lambda: simulate(PARAMS, MOTION, START, 3, {"spin": Spin(radius=-1.0)}), r"spin\.radius"),
         (lambda: simulate(Params(restitution=2.0), MOTION, START, 3), r"params\.restitution"),
         (lambda: simulate({}, MOTION, START, 3), "give a vr_envs.models.ball_on_bar.Params"),
@@ -143,6 +177,8 @@ START = ball(MOTION, z=0.002)
         (lambda: bar_motion(PARAMS, z=math.nan), "finite"),
         (lambda: scan(PARAMS, np.tile(MOTION, (3, 1)), np.repeat(START, 2), 1, 1), "2 of them|3 of them"),
         (lambda: scan(PARAMS, MOTION, START, -1, 1), "skip"),
+        (lambda: simulate(PARAMS, MOTION, ball(MOTION, z=-0.001), 3), "under the bar's surface"),
+        (lambda: simulate(Params(hold=3.0), MOTION, START, 3), "hold = 3"),
     ],
 )
 def test_bad_input_is_told(call, told):

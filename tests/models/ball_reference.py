@@ -1,20 +1,32 @@
-"""The bouncing ball in 50 digits, written from the equations of motion alone: shares no formula with the kernels.
+"""The bouncing ball in 40 digits, written from the equations of motion alone: shares no formula with the kernels.
 
-Contacts are found by scanning the gap on a fine grid and bisecting; the scatter's draws are taken as given numbers.
+Contacts are found by scanning the gap and bisecting, chatter is followed impact by impact until nothing is left of it,
+and what the bar does is differentiated numerically. The scatter's draws are taken as given numbers.
 """
 
 import mpmath as mp
 
-GRID = 400  # samples of the gap per half cycle: flights here are transversal and thousands of samples long
+GRID = 120  # samples of the gap per half cycle: flights here are transversal and many samples long
+NOTHING = mp.mpf(10) ** -26  # m/s: what is left of a chatter when the ball has come to rest
 
 
 class Reference:
-    def __init__(self, params, state, digits=50):
+    def __init__(self, params, state, options=None, digits=40):
         mp.mp.dps = digits
         self.p = {name: mp.mpf(float(params[name])) for name in params.dtype.names}
+        self.o = {
+            k: None if o is None else {n: mp.mpf(float(o[n])) for n in o.dtype.names}
+            for k, o in (options or {}).items()
+        }
         self.x, self.z, self.u, self.w = (mp.mpf(float(state[k])) for k in ("x", "z", "u", "w"))
+        self.spin = mp.mpf(float(state["spin"]))
         self.old = [mp.mpf(float(v)) for v in state["motion"]]
-        self.impacts = []
+        self.number = int(state["steps"])
+        self.stuck = None  # place on the bar of a ball at rest
+        self.impacts, self.releases = [], []
+
+    def option(self, name):
+        return self.o.get(name)
 
     def bar(self, new, s):
         """(x, tilt, z) of the bar at time s of the cycle."""
@@ -22,61 +34,125 @@ class Reference:
         u = min(s / blend, mp.mpf(1))
         weight = u * u * (3 - 2 * u)
         m = [a + weight * (b - a) for a, b in zip(self.old, new, strict=True)]
-        c, sn, c2, sn2 = mp.cos(w * s), mp.sin(w * s), mp.cos(2 * w * s), mp.sin(2 * w * s)
-        return m[0] * c + m[1] * sn, m[2] * c + m[3] * sn, m[4] * c2 + m[5] * sn2
+        ratios = [mp.mpf(1), mp.mpf(1), mp.mpf(2)]
+        elapsed = self.number * self.p["period"] + s
+        ramp, free = self.option("ramp"), self.option("frequencies")
+        if ramp:
+            rates = [ramp[k] for k in ("x_cos", "x_sin", "tilt_cos", "tilt_sin", "z_cos", "z_sin")]
+            m = [
+                v + elapsed * r / (w * (2 if i > 3 else 1)) ** 2 for i, (v, r) in enumerate(zip(m, rates, strict=True))
+            ]
+        if free:
+            ratios = [free["x"], free["tilt"], free["z"]]
+        # the base cycle is 1 / frequency to the last digit, as in the doubles
+        angles = [2 * mp.pi * r * self.number + r * w * s for r in ratios]
+        return [m[2 * i] * mp.cos(a) + m[2 * i + 1] * mp.sin(a) for i, a in enumerate(angles)]
 
-    def velocity(self, new, s):
-        h = mp.mpf(10) ** -15  # central difference: error h^2, 1e-30 of the scale
-        a, b = self.bar(new, s + h), self.bar(new, s - h)
-        return [(p - q) / (2 * h) for p, q in zip(a, b, strict=True)]
+    def rates(self, new, s, order=1):
+        h = mp.mpf(10) ** -(12 if order == 1 else 9)  # central difference: error h^2 of the scale
+        a, b, c = self.bar(new, s - h), self.bar(new, s), self.bar(new, s + h)
+        if order == 1:
+            return [(r - p) / (2 * h) for p, r in zip(a, c, strict=True)]
+        return [(p - 2 * q + r) / h**2 for p, q, r in zip(a, b, c, strict=True)]
+
+    def curvature(self):
+        return self.option("curve")["curvature"] if self.option("curve") else mp.mpf(0)
 
     def gap(self, new, s, since):
-        """Distance of the flying ball from the surface, along its normal."""
+        """Distance of the flying ball from the surface, along the bar's normal."""
         t = s - since
         bx, tilt, bz = self.bar(new, s)
-        x, z = self.x + self.u * t, self.z + self.w * t - self.p["gravity"] * t * t / 2
-        return (x - bx) * mp.sin(tilt) + (z - bz) * mp.cos(tilt)
+        rx = self.x + self.u * t - bx
+        rz = self.z + self.w * t - self.p["gravity"] * t * t / 2 - bz
+        along, across = rx * mp.cos(tilt) - rz * mp.sin(tilt), rx * mp.sin(tilt) + rz * mp.cos(tilt)
+        return across - self.curvature() * along**2 / 2
 
-    def cycle(self, new, draws):
+    def cycle(self, new, draws=None):
         """One base cycle; `draws(i)` gives restitution and normal deviation of impact i."""
         new = [mp.mpf(float(v)) for v in new]
-        s, period = mp.mpf(0), self.p["period"]
-        step = period / 2 / GRID
-        just_left = False
+        s, period, left = mp.mpf(0), self.p["period"], None
+        grid = period / 2 / GRID
         while True:
-            a = s + step / 1000 if just_left else s
+            if self.stuck is not None:
+                s = self.carried(new, s)
+                if self.stuck is not None:
+                    break
+                left = grid / 10  # it separates with the cube of the time
+            step = grid if left is None else min(grid, left)
+            a = s if left is None else s + step / 1000
             b = a + step
             while b < period and self.gap(new, b, s) > 0:
-                a, b = b, b + step
+                a, b = b, b + grid
             b = min(b, period)
             if self.gap(new, b, s) > 0:
                 self.fly(period - s)
                 break
-            t = self.root(new, s, a, b)
+            t = mp.findroot(
+                lambda t, s=s: self.gap(new, t, s), (a, b), solver="anderson", tol=mp.mpf(10) ** -70, verify=False
+            )
             self.fly(t - s)
-            s, just_left = t, True
-            self.collide(new, s, *draws(len(self.impacts)))
+            s = t
+            leaving = self.collide(new, s, draws)
+            left = leaving / (30 * self.p["gravity"])
+            if leaving < NOTHING:
+                bx, tilt, bz = self.bar(new, s)
+                self.stuck = (self.x - bx) * mp.cos(tilt) - (self.z - bz) * mp.sin(tilt)
         self.old = new
-
-    def root(self, new, s, a, b):
-        """The contact between a and b of the flight that began at s."""
-        return mp.findroot(
-            lambda t: self.gap(new, t, s), (a, b), solver="illinois", tol=mp.mpf(10) ** -80, verify=False
-        )
+        self.number += 1
 
     def fly(self, t):
         self.x += self.u * t
         self.z += self.w * t - self.p["gravity"] * t * t / 2
         self.w -= self.p["gravity"] * t
 
-    def collide(self, new, s, restitution, deviation):
-        (bx, tilt, bz), (vx, vt, vz) = self.bar(new, s), self.velocity(new, s)
+    def collide(self, new, s, draws):
+        """One impact; returns the normal velocity with which the ball leaves."""
+        (bx, tilt, bz), (vx, vt, vz) = self.bar(new, s), self.rates(new, s)
         rx, rz = self.x - bx, self.z - bz
         u, w = self.u - (vx + vt * rz), self.w - (vz - vt * rx)
-        n = (mp.sin(tilt + deviation), mp.cos(tilt + deviation))
+        restitution, deviation = (self.p["restitution"], 0) if draws is None else draws(len(self.impacts))
+        place = rx * mp.cos(tilt) - rz * mp.sin(tilt)
+        angle = tilt - mp.atan(self.curvature() * place) + deviation
+        n = (mp.sin(angle), mp.cos(angle))
         t = (n[1], -n[0])
         normal, tangent = u * n[0] + w * n[1], u * t[0] + w * t[1]
-        d_n, d_t = -(1 + restitution) * normal, -self.p["tangential_loss"] * tangent
+        soft, spin, friction = (self.option(k) for k in ("softening", "spin", "friction"))
+        if soft:
+            restitution = restitution / (1 + abs(normal) / soft["speed"]) ** soft["exponent"]
+        d_n = -(1 + restitution) * normal
+        slip, mass = tangent, self.p["tangential_loss"]
+        if spin:
+            slip, mass = tangent - self.spin + spin["radius"] * vt, spin["inertia_ratio"] / (1 + spin["inertia_ratio"])
+        d_t = -mass * slip
+        if friction:
+            d_t *= 1 + friction["restitution"]
+            most = friction["coefficient"] * d_n
+            d_t = max(-most, min(most, d_t))
+        if spin:
+            self.spin -= d_t / spin["inertia_ratio"]
         self.u += d_n * n[0] + d_t * t[0]
         self.w += d_n * n[1] + d_t * t[1]
         self.impacts.append((s, self.x, self.z))
+        return normal + d_n
+
+    def force(self, new, s):
+        """Normal force per mass on the ball that sticks, along the normal of a flat bar."""
+        tilt = self.bar(new, s)[1]
+        ax, at, az = self.rates(new, s, 2)
+        return ax * mp.sin(tilt) + (az + self.p["gravity"]) * mp.cos(tilt) - self.stuck * at
+
+    def carried(self, new, s):
+        """Carry a ball that sticks on a flat bar to its release or the end of the cycle; returns the time."""
+        period = self.p["period"]
+        step, t = period / 2 / GRID, s
+        while t < period and self.force(new, min(t + step, period)) > 0:
+            t += step
+        release = t < period
+        t = mp.findroot(lambda t: self.force(new, t), (t, t + step), solver="anderson") if release else period
+        (bx, tilt, bz), (vx, vt, vz) = self.bar(new, t), self.rates(new, t)
+        rx, rz = self.stuck * mp.cos(tilt), -self.stuck * mp.sin(tilt)
+        self.x, self.z, self.u, self.w = bx + rx, bz + rz, vx + vt * rz, vz - vt * rx
+        if release:
+            self.stuck = None
+            self.releases.append((self.number, t))
+        return t

@@ -6,22 +6,25 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from vr_envs.models.bar import Piece, Rates, bounds, frame_at, increments
+from vr_envs.models.ball_options import Frequencies, Ramp
+from vr_envs.models.bar import Piece, bounds, drift_of, frame_at, increments
+from vr_envs.models.record import pack
 
 OMEGA = 2 * math.pi * 15
 RNG = np.random.default_rng(1)
 SIZES = np.array([1e-3, 1e-3, 0.01, 0.01, 3e-4, 3e-4])
 MOTIONS = [(tuple(SIZES * RNG.uniform(-1, 1, 6)), tuple(SIZES * RNG.uniform(-1, 1, 6))) for _ in range(4)]
-RATES = Rates((OMEGA, 0.7 * OMEGA, 1.9 * OMEGA), (0.3, 1.0, -2.0))
-DRIFT = tuple(SIZES * 2)
+PLAIN = None, (0.0, 0.0, 0.0), None
+FREE = pack(Frequencies(1.0, 0.7, 1.9)), (0.3, 1.0, -2.0)
+RAMP = pack(Ramp(8.0, -3.0, 100.0, 50.0, 9.0, 2.0))
 PIECES = (
-    [Piece(OMEGA, 0.0, 1 / 30, base, change) for base, change in MOTIONS]
-    + [Piece(OMEGA, 0.0, 0.0, base, base) for base, _ in MOTIONS]
+    [Piece(OMEGA, 0.0, 1 / 30, base, change, *PLAIN) for base, change in MOTIONS]
+    + [Piece(OMEGA, 0.0, 0.0, base, base, *PLAIN) for base, _ in MOTIONS]
     + [
-        Piece(OMEGA, -1 / 60, 1 / 15, *MOTIONS[0]),
-        Piece(OMEGA, 0.0, 1 / 30, *MOTIONS[0], rates=RATES),
-        Piece(OMEGA, 0.0, 1 / 30, *MOTIONS[0], drift=DRIFT),
-        Piece(OMEGA, 0.0, 0.0, *MOTIONS[0], rates=RATES, drift=DRIFT),
+        Piece(OMEGA, -1 / 60, 1 / 15, *MOTIONS[0], *PLAIN),
+        Piece(OMEGA, 0.0, 1 / 30, *MOTIONS[0], *FREE, None),
+        Piece(OMEGA, 0.0, 1 / 30, *MOTIONS[0], None, (0.0, 0.0, 0.0), RAMP),
+        Piece(OMEGA, 0.0, 0.0, *MOTIONS[0], *FREE, RAMP),
     ]
 )
 
@@ -31,12 +34,13 @@ def exact(piece, s):
     s, w = mp.mpf(s), mp.mpf(piece.omega)
     u = (s - piece.begin) / piece.blend if piece.blend else mp.mpf(0)
     weight = u * u * (3 - 2 * u)
-    drift = piece.drift or [0] * 6
+    drift = [0] * 6 if piece.ramp is None else drift_of(piece.omega, piece.ramp)
     m = [
         mp.mpf(b) + weight * mp.mpf(c) + s * mp.mpf(d) for b, c, d in zip(piece.base, piece.change, drift, strict=True)
     ]
-    omegas, phases = piece.rates or ((w, w, 2 * w), (0, 0, 0))
-    angles = [mp.mpf(o) * s + mp.mpf(p) for o, p in zip(omegas, phases, strict=True)]
+    f = piece.frequencies
+    ratios = (1, 1, 2) if f is None else [mp.mpf(float(f[n])) for n in ("x", "tilt", "z")]
+    angles = [r * w * s + mp.mpf(p) for r, p in zip(ratios, piece.phase, strict=True)]
     return [m[2 * i] * mp.cos(a) + m[2 * i + 1] * mp.sin(a) for i, a in enumerate(angles)]
 
 
@@ -90,9 +94,9 @@ def test_two_pieces_join_with_the_same_position_and_velocity():
     old, change = MOTIONS[0]
     new = tuple(a + b for a, b in zip(old, change, strict=True))
     blended, kept, before = (
-        Piece(OMEGA, 0.0, 1 / 30, old, change),
-        Piece(OMEGA, 0.0, 0.0, new, new),
-        Piece(OMEGA, 0.0, 0.0, old, old),
+        Piece(OMEGA, 0.0, 1 / 30, old, change, *PLAIN),
+        Piece(OMEGA, 0.0, 0.0, new, new, *PLAIN),
+        Piece(OMEGA, 0.0, 0.0, old, old, *PLAIN),
     )
     for a, b, s in [(blended, kept, 1 / 30), (before, blended, 0.0)]:
         left, right = frame_at(a, s), frame_at(b, s)

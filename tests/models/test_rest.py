@@ -17,6 +17,7 @@ from vr_envs.models.record import dtype_of, pack
 from vr_envs.models.support import flight_support, forces_at, gripping, support
 
 GRAVITY = 9.81
+PLAIN = None, (0.0, 0.0, 0.0), None  # no frequencies of their own, no ramp
 SMOOTH = {"scatter": None, "restitution": 0.5, "half_length": 0.5}
 LAWS = {
     "loss": {**SMOOTH, "tangential_loss": 0.3},
@@ -161,7 +162,7 @@ def test_a_bounce_is_no_chatter_because_the_force_is_at_its_extreme():
 @pytest.mark.parametrize("curvature", [None, 13.3, -20.0])
 @pytest.mark.parametrize("rate", [0.0, 0.03])
 def test_support_is_minus_the_second_and_third_derivative_of_the_gap_in_flight(rate, curvature):
-    piece = Piece(2 * math.pi * 15, 0.0, 0.0, (1e-3, 4e-4, 0.01, -0.006, 2e-4, 1e-4), (0.0,) * 6)
+    piece = Piece(2 * math.pi * 15, 0.0, 0.0, (1e-3, 4e-4, 0.01, -0.006, 2e-4, 1e-4), (0.0,) * 6, *PLAIN)
     params = {"omega": piece.omega}
     bar, s, d = Bar(params, piece.base), mp.mpf("0.0171"), mp.mpf("0.012")
     (bx, tilt, bz), (vx, vt, vz) = bar.at(s), bar.at(s, 1)
@@ -216,7 +217,7 @@ def test_a_carried_ball_moves_as_the_bars_material_does():
 
 def test_rolling_law_feels_gravity_and_the_bars_acceleration():
     """A bar pushed sideways without tilt leaves a frictionless ball behind: d'' = -x''; a sphere by 5/7 of that."""
-    piece = Piece(2 * math.pi * 15, 0.0, 0.0, (1e-3, 0, 0, 0, 0, 0), (0.0,) * 6)
+    piece = Piece(2 * math.pi * 15, 0.0, 0.0, (1e-3, 0, 0, 0, 0, 0), (0.0,) * 6, *PLAIN)
     frame = frame_at(piece, 0.003)
 
     def rolling(frame, inertia_ratio, radius):
@@ -224,7 +225,7 @@ def test_rolling_law_feels_gravity_and_the_bars_acceleration():
 
     assert rolling(frame, 0.0, 0.0) == pytest.approx(-frame.x[2], rel=1e-14)
     assert rolling(frame, 0.4, 0.003) == pytest.approx(-frame.x[2] * 5 / 7, rel=1e-14)
-    level = frame_at(Piece(2 * math.pi * 15, 0.0, 0.0, (0, 0, 0.02, 0, 0, 0), (0.0,) * 6), 0.0)
+    level = frame_at(Piece(2 * math.pi * 15, 0.0, 0.0, (0, 0, 0.02, 0, 0, 0), (0.0,) * 6, *PLAIN), 0.0)
     inertia = 0.4 * 0.003 * level.tilt[2] / 1.4
     assert rolling(level, 0.4, 0.003) == pytest.approx(GRAVITY * math.sin(0.02) / 1.4 - inertia, rel=1e-14)
 

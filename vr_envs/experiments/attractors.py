@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from vr_envs.experiments.bounce import launches, z_omega, z_period
-from vr_envs.experiments.simulation import flight_times, free_flights, scan
+from vr_envs.experiments.simulation import scan
+from vr_envs.experiments.trace import flight_times, free_flights
 from vr_envs.models.ball_on_bar import Params
 
 MOST = 12  # impacts in the longest orbit told from an irregular one

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import TypeVar
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from vr_envs.experiments.simulation import ball, bar_motion
 from vr_envs.models.ball_on_bar import Params
 
 NEWTON_STEPS = 50
+Scalars = TypeVar("Scalars", float, np.ndarray)
 
 
 def vertical(frequency: float, restitution: float) -> Params:
@@ -34,7 +36,7 @@ def z_period(params: Params) -> float:
     return 0.5 * params.period
 
 
-def scaled(acceleration: float, gravity: float) -> float:
+def scaled(acceleration: Scalars, gravity: float) -> Scalars:
     """Gamma of Luck and Mehta. Bell prints A omega^2 / pi g."""
     return acceleration / (math.pi * gravity)
 

@@ -10,7 +10,7 @@ import dataclasses
 
 import numpy as np
 
-from vr_envs.experiments.simulation import Trace
+from vr_envs.experiments.trace import Trace
 
 
 @dataclasses.dataclass(frozen=True)

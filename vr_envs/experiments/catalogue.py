@@ -4,6 +4,15 @@ from __future__ import annotations
 
 from vr_envs.experiments.experiment import Experiment
 
+VISION = (
+    Experiment("vision", "Figs 2.1, 2.2", "the vision system tracks ball and bar in space", "vision:run"),
+    Experiment("vision-error", "Section II", "error of the vision system over noise and pixels", "vision_error:run"),
+)
+LENS = (
+    Experiment("lens-travel", "Fig 2.3, 2.4", "a ball travels round a concave lens as it bounces", "lens:travel"),
+    Experiment("lens-height", "Fig 2.5", "height of the ball, adjusted for the lens under it", "lens:height"),
+)
+
 VERTICAL = (
     Experiment("period-one", "Figs 3.1, 3.2, Table 3.1", "period one at 30 Hz", "period_figures:period_one"),
     Experiment("period-two", "Figs 3.3, 3.4, Table 3.2", "period two at 30 Hz", "period_figures:period_two"),
@@ -12,6 +21,14 @@ VERTICAL = (
     ),
     Experiment("period-one-m2", "Fig 3.6", "period one over two bar cycles at 20 Hz", "period_figures:period_one_m2"),
     Experiment("period-two-m2", "Fig 3.7", "period two over four bar cycles at 20 Hz", "period_figures:period_two_m2"),
+    Experiment(
+        "restitution", "Section III.D", "restitution from the decay of a dropped ball", "restitution:restitution"
+    ),
+    Experiment("bifurcation", "Figs 3.8 to 3.10", "heights of bounce against acceleration", "bifurcation:bifurcation"),
+    Experiment("stability-bands", "Fig 3.11", "stable period one for m = 1 to 7", "stability_bands:stability_bands"),
+    Experiment(
+        "phase-portrait", "Fig 3.12", "impacts in the reduced phase space, and locking", "phase_portrait:phase_portrait"
+    ),
 )
 
 HORIZONTAL = (
@@ -27,4 +44,4 @@ HORIZONTAL = (
     Experiment("growth-x-sizes", "Fig 4.7", "growth rate for several x-motions", "horizontal_figures:x_motions"),
 )
 
-EXPERIMENTS: dict[str, Experiment] = {e.name: e for e in (*VERTICAL, *HORIZONTAL)}
+EXPERIMENTS: dict[str, Experiment] = {e.name: e for e in (*VISION, *LENS, *VERTICAL, *HORIZONTAL)}

@@ -20,10 +20,12 @@ BALL, BAR, FOUND, FORMULA, FAINT = paint(BLUE), paint(ORANGE), paint(RED), paint
 
 
 def label(axes: Axes, title: str, x: str, y: str, legend: bool = False) -> None:
-    """Title, axes with units, and a legend of what has a label."""
-    axes.set_title(title, fontsize=10)
+    """Title, axes with units, and above the axes a legend of what has a label."""
+    axes.set_title(title, fontsize=10, loc="left")
     axes.set_xlabel(x)
     axes.set_ylabel(y)
     axes.spines[["top", "right"]].set_visible(False)
     if legend:
-        axes.legend(fontsize=8, frameon=False)
+        axes.legend(
+            fontsize=8, frameon=False, loc="lower right", bbox_to_anchor=(1.0, 0.98), ncols=6, borderaxespad=0.0
+        )

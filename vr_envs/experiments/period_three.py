@@ -64,6 +64,8 @@ def period_three(progress: Progress) -> Outcome:
             findings.append(_seen(shown[1], kept[row, -3:], params.gravity))
 
     def draw(figure: Figure) -> None:
+        from matplotlib.patches import Patch
+
         figure.set_size_inches(9.0, 10.0)
         parts: Any = figure.subfigures(2, 1, height_ratios=(3, 2))
         if shown is not None:
@@ -72,6 +74,8 @@ def period_three(progress: Progress) -> Outcome:
             )
         for axes, (alpha, found) in zip(parts[1].subplots(1, 2, sharey=True), maps.items(), strict=True):
             _draw_basin(axes, alpha, found)
+        handles = [Patch(color=paint(colour), label=name) for name, colour in ORBITS.items()]
+        parts[1].legend(handles=handles, fontsize=8, frameon=False, loc="outside lower center", ncols=len(handles))
 
     return Outcome(tuple(findings), tables, draw)
 
@@ -138,7 +142,6 @@ def _seen(bounces: Bounces, impacts: np.ndarray, gravity: float) -> Finding:
 
 def _draw_basin(axes, alpha: float, found: Ends) -> None:  # type: ignore[no-untyped-def]
     from matplotlib.colors import ListedColormap
-    from matplotlib.patches import Patch
 
     names = list(ORBITS)
     kind = np.full(found.period.size, names.index("other"))
@@ -159,4 +162,3 @@ def _draw_basin(axes, alpha: float, found: Ends) -> None:  # type: ignore[no-unt
         interpolation="nearest",
     )
     label(axes, f"where starts end, restitution {alpha:g}", "tau: phase at the start / 2π", "W: speed / (π g / ω)")
-    axes.legend(handles=[Patch(color=paint(c), label=n) for n, c in ORBITS.items()], fontsize=7, loc="upper right")

@@ -22,7 +22,8 @@ from vr_envs.experiments.camera_trace import Bounces, CameraTrace, as_seen, fitt
 from vr_envs.experiments.experiment import Finding, Outcome
 from vr_envs.experiments.look import BALL, BAR, FAINT, FOUND, label
 from vr_envs.experiments.simulation import scan, simulate
-from vr_envs.models.ball_on_bar import Params, Scatter
+from vr_envs.models.ball_on_bar import Params
+from vr_envs.models.ball_options import Scatter
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure, SubFigure

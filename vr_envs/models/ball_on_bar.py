@@ -12,9 +12,9 @@ import dataclasses
 import math
 from typing import Any, NamedTuple
 
-from vr_envs.models.bar import bounds, frame_at
+from vr_envs.models.bar import Piece, bounds, frame_at
 from vr_envs.models.chatter import settle
-from vr_envs.models.drive import base_cycle, demanded, piece_at
+from vr_envs.models.drive import base_cycle, demanded, phase_at, phasors_at
 from vr_envs.models.flight import AIRBORNE, BOUNCED, RELEASED, flight
 from vr_envs.models.impact import collide, collide_rough, softened
 from vr_envs.models.jit import kernel
@@ -200,14 +200,17 @@ def _stretch(state, piece, s, end, laws, log):
 def _move(state, old, new, s, end, begin, number, laws, frequencies, ramp, log):
     """From time s to `end` of base cycle `number`, in which the bar goes from `old` to `new` from time `begin` on."""
     params = laws.params
+    phase = phase_at(number, frequencies)
     blended = begin
     if new != old:
         blended = begin + params.blend * params.period
     if s < min(end, blended) and not (state.lost or state.fault):
-        piece = piece_at(old, new, s, begin, number, params, frequencies, ramp)
+        blend, base, change = phasors_at(old, new, s, begin, number, params, ramp)
+        piece = Piece(params.omega, begin, blend, base, change, frequencies, phase, ramp)
         _stretch(state, piece, s, min(end, blended), laws, log)
     if max(s, blended) < end and not (state.lost or state.fault):
-        piece = piece_at(new, new, s, begin, number, params, frequencies, ramp)
+        blend, base, change = phasors_at(new, new, s, begin, number, params, ramp)
+        piece = Piece(params.omega, begin, blend, base, change, frequencies, phase, ramp)
         _stretch(state, piece, max(s, blended), end, laws, log)
 
 

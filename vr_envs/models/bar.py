@@ -7,17 +7,18 @@ A motion is six phasor components (x_cos, x_sin, tilt_cos, tilt_sin, z_cos, z_si
 x = x_cos cos(omega s) + x_sin sin(omega s), tilt alike, z alike at 2 omega (Bell section IV: a parabolic path).
 Time s runs from the start of the base cycle. A `Piece` goes from one motion to another by the cubic
 S(u) = u^2 (3 - 2u), u = (s - begin) / blend (continuous position and velocity), or keeps one motion (blend = 0).
-Two things are compiled in only where a scene has them: `rates`, frequencies of their own for x, tilt and z, and
-`drift`, a slow growth of the phasors in time.
+Two things are compiled in only where a scene has them: frequencies of their own for x, tilt and z, and a ramp, by which
+the phasors drift in time.
 """
 
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from vr_envs.models.jit import kernel
 from vr_envs.models.phasor import (
+    angular,
     cos_sin,
     phasor,
     phasor_change,
@@ -31,23 +32,17 @@ Motion = tuple[float, float, float, float, float, float]
 Wave = tuple[float, float]
 
 
-class Rates(NamedTuple):
-    """Frequencies of their own: x, tilt and z move at the angles `omega[i] s + phase[i]`."""
-
-    omega: tuple[float, float, float]  # rad/s
-    phase: tuple[float, float, float]  # rad, at the start of this base cycle
-
-
 class Piece(NamedTuple):
-    """A stretch of bar motion: base + S change + s drift; without a change when `blend` is 0 s."""
+    """A stretch of bar motion: base + S change (+ s drift); without a change when `blend` is 0 s."""
 
     omega: float  # rad/s, base frequency
     begin: float  # s, start of the blend
     blend: float  # s, duration of the blend
     base: Motion  # m, rad, m
     change: Motion  # m, rad, m
-    rates: Rates | None = None
-    drift: Motion | None = None  # m/s, rad/s, m/s
+    frequencies: Any  # record of ball_options.Frequencies, or None
+    phase: tuple[float, float, float]  # rad, of x, tilt and z at s = 0, used with these frequencies
+    ramp: Any  # record of ball_options.Ramp, or None
 
 
 class Frame(NamedTuple):
@@ -72,12 +67,11 @@ class Bounds(NamedTuple):
 
 
 @kernel
-def _angular(omega, rates):
-    """Angular frequencies of x, tilt and z, rad/s."""
-    if rates is None:
-        return omega, omega, 2.0 * omega
-    else:
-        return rates.omega
+def drift_of(omega, ramp):
+    """Growth of the six phasors, in m/s, rad/s and m/s, of a ramp of the peak accelerations."""
+    a = 1.0 / (omega * omega)
+    b = 0.25 * a
+    return ramp.x_cos * a, ramp.x_sin * a, ramp.tilt_cos * a, ramp.tilt_sin * a, ramp.z_cos * b, ramp.z_sin * b
 
 
 @kernel
@@ -89,12 +83,12 @@ def _blend(piece, s):
 
 
 @kernel
-def _plus_drift(axes, w, waves, s, drift):
-    """Add a drift to (x, tilt, z), each as value and three derivatives."""
-    if drift is None:
+def _plus_drift(axes, omega, w, waves, s, ramp):
+    """Add the drift to (x, tilt, z), each as value and three derivatives."""
+    if ramp is None:
         return axes
     else:
-        d = drift
+        d = drift_of(omega, ramp)
         return (
             plus_blend(axes[0], phasor(d[0], d[1], w[0], waves[0]), s, 1.0, 0.0, 0.0),
             plus_blend(axes[1], phasor(d[2], d[3], w[1], waves[1]), s, 1.0, 0.0, 0.0),
@@ -105,8 +99,8 @@ def _plus_drift(axes, w, waves, s, drift):
 @kernel
 def frame_at(piece, s):
     """The `Frame` of the bar at time s."""
-    w = _angular(piece.omega, piece.rates)
-    waves = waves_at(piece.omega, s, piece.rates)
+    w = angular(piece.omega, piece.frequencies)
+    waves = waves_at(piece.omega, s, piece.frequencies, piece.phase)
     b = piece.base
     x = phasor(b[0], b[1], w[0], waves[0])
     tilt = phasor(b[2], b[3], w[1], waves[1])
@@ -117,18 +111,18 @@ def frame_at(piece, s):
         x = plus_blend(x, phasor(c[0], c[1], w[0], waves[0]), s0, s1, s2, s3)
         tilt = plus_blend(tilt, phasor(c[2], c[3], w[1], waves[1]), s0, s1, s2, s3)
         z = plus_blend(z, phasor(c[4], c[5], w[2], waves[2]), s0, s1, s2, s3)
-    x, tilt, z = _plus_drift((x, tilt, z), w, waves, s, piece.drift)
+    x, tilt, z = _plus_drift((x, tilt, z), piece.omega, w, waves, s, piece.ramp)
     tilt_cos, tilt_sin = cos_sin(tilt[0])
     return Frame(x, tilt, z, tilt_cos, tilt_sin, waves)
 
 
 @kernel
-def _plus_drift_change(axes, w, end, change, s1, ds, drift):
-    """Add a drift to the changes of (x, tilt, z); `s1` is the time at the end of the change."""
-    if drift is None:
+def _plus_drift_change(axes, omega, w, end, change, s1, ds, ramp):
+    """Add the drift to the changes of (x, tilt, z); `s1` is the time at the end of the change."""
+    if ramp is None:
         return axes
     else:
-        d, blend = drift, (s1, 1.0, 0.0, ds)
+        d, blend = drift_of(omega, ramp), (s1, 1.0, 0.0, ds)
         return (
             plus_blend_change(axes[0], d[0], d[1], w[0], end[0], change[0], blend),
             plus_blend_change(axes[1], d[2], d[3], w[1], end[1], change[1], blend),
@@ -145,8 +139,8 @@ def increments(piece, frame, s, ds):
     Returns:
         (x, tilt, z), each as (change, rate at s + ds, second derivative at s + ds).
     """
-    w = _angular(piece.omega, piece.rates)
-    end, change = turned_waves(piece.omega, frame.waves, ds, piece.rates)
+    w = angular(piece.omega, piece.frequencies)
+    end, change = turned_waves(piece.omega, frame.waves, ds, piece.frequencies)
     b = piece.base
     x = phasor_change(b[0], b[1], w[0], end[0], change[0])
     tilt = phasor_change(b[2], b[3], w[1], end[1], change[1])
@@ -160,7 +154,7 @@ def increments(piece, frame, s, ds):
         x = plus_blend_change(x, c[0], c[1], w[0], end[0], change[0], blend)
         tilt = plus_blend_change(tilt, c[2], c[3], w[1], end[1], change[1], blend)
         z = plus_blend_change(z, c[4], c[5], w[2], end[2], change[2], blend)
-    return _plus_drift_change((x, tilt, z), w, end, change, s + ds, ds, piece.drift)
+    return _plus_drift_change((x, tilt, z), piece.omega, w, end, change, s + ds, ds, piece.ramp)
 
 
 @kernel
@@ -194,11 +188,12 @@ def _plus_drift_bound(bound, w, t, dc, ds):
 
 
 @kernel
-def _plus_drift_bounds(limits, w, t, drift):
-    if drift is None:
+def _plus_drift_bounds(limits, omega, w, ramp):
+    """Add the drift within one base cycle."""
+    if ramp is None:
         return limits
     else:
-        d = drift
+        d, t = drift_of(omega, ramp), 2.0 * math.pi / omega
         return (
             _plus_drift_bound(limits[0], w[0], t, d[0], d[1]),
             _plus_drift_bound(limits[1], w[1], t, d[2], d[3]),
@@ -209,10 +204,10 @@ def _plus_drift_bounds(limits, w, t, drift):
 @kernel
 def bounds(piece):
     """Bounds of the derivatives 0 to 4 of x, tilt and z over the piece, for times within one base cycle."""
-    w, b, c = _angular(piece.omega, piece.rates), piece.base, piece.change
+    w, b, c = angular(piece.omega, piece.frequencies), piece.base, piece.change
     limits = (
         _bound(w[0], piece.blend, b[0], b[1], c[0], c[1]),
         _bound(w[1], piece.blend, b[2], b[3], c[2], c[3]),
         _bound(w[2], piece.blend, b[4], b[5], c[4], c[5]),
     )
-    return _plus_drift_bounds(limits, w, 2.0 * math.pi / piece.omega, piece.drift)
+    return _plus_drift_bounds(limits, piece.omega, w, piece.ramp)

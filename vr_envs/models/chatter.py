@@ -26,8 +26,8 @@ def _positive_part(mean, deviation):
 def mean_restitution(restitution, scatter):
     """Mean of the restitution over its scatter, which is clipped to [0, 1]."""
     if scatter is not None:
-        if scatter.restitution > 0.0:
-            deviation = scatter.restitution
+        deviation = scatter.restitution
+        if 9.0 * deviation > min(restitution, 1.0 - restitution):  # else the clipping is below rounding
             return _positive_part(restitution, deviation) - _positive_part(restitution - 1.0, deviation)
     return restitution
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from vr_envs.models.bar import Piece, Rates
+from vr_envs.models.bar import Piece, drift_of, frame_at
 from vr_envs.models.jit import kernel
 
 
@@ -39,50 +39,47 @@ def _turns(number, ratio):
 
 
 @kernel
-def _rates(number, params, frequencies):
-    """The `Rates` of base cycle `number`, or None."""
-    if frequencies is None:
-        return None
-    else:
-        f, w = frequencies, params.omega
-        turns = (_turns(number, f.x), _turns(number, f.tilt), _turns(number, f.z))
-        phase = (2.0 * math.pi * turns[0], 2.0 * math.pi * turns[1], 2.0 * math.pi * turns[2])
-        return Rates((f.x * w, f.tilt * w, f.z * w), phase)
-
-
-@kernel
-def _drift(params, ramp):
-    """Growth of the bar's phasors in m/s and rad/s, or None."""
-    if ramp is None:
-        return None
-    else:
-        a = 1.0 / (params.omega * params.omega)
-        b = 0.25 * a
-        return ramp.x_cos * a, ramp.x_sin * a, ramp.tilt_cos * a, ramp.tilt_sin * a, ramp.z_cos * b, ramp.z_sin * b
-
-
-@kernel
-def _grown(motion, drift, time):
+def _grown(motion, time, params, ramp):
     """`motion` after it has drifted for `time`."""
-    if drift is None:
+    if ramp is None:
         return motion
     else:
-        m, d, t = motion, drift, time
+        m, d, t = motion, drift_of(params.omega, ramp), time
         return (
             m[0] + t * d[0], m[1] + t * d[1], m[2] + t * d[2], m[3] + t * d[3], m[4] + t * d[4], m[5] + t * d[5],
         )  # fmt: skip
 
 
 @kernel
-def piece_at(old, new, s, begin, number, params, frequencies, ramp):
-    """The `Piece` of bar motion at time `s` of base cycle `number` that from time `begin` goes from `old` to `new`."""
-    rates, drift = _rates(number, params, frequencies), _drift(params, ramp)
-    blend = params.blend * params.period
+def phase_at(number, frequencies):
+    """Angles of x, tilt and z at the start of base cycle `number`, rad; not used without frequencies of their own."""
+    if frequencies is None:
+        return 0.0, 0.0, 0.0
+    else:
+        f, turn = frequencies, 2.0 * math.pi
+        return turn * _turns(number, f.x), turn * _turns(number, f.tilt), turn * _turns(number, f.z)
+
+
+@kernel
+def phasors_at(old, new, s, begin, number, params, ramp):
+    """The phasors of a `Piece`, (blend, base, change), at time `s` of base cycle `number`.
+
+    From time `begin` of the cycle the bar goes from the motion `old` to `new`. (No kernel returns a piece, since Numba
+    cannot return the records in it.)
+    """
     passed = number * params.period
-    grown = _grown(new, drift, passed)
-    if new == old or s >= begin + blend:
-        return Piece(params.omega, 0.0, 0.0, grown, grown, rates, drift)
+    if new == old or s >= begin + params.blend * params.period:
+        grown = _grown(new, passed, params, ramp)
+        return 0.0, grown, grown
     change = (
         new[0] - old[0], new[1] - old[1], new[2] - old[2], new[3] - old[3], new[4] - old[4], new[5] - old[5],
     )  # fmt: skip
-    return Piece(params.omega, begin, blend, _grown(old, drift, passed), change, rates, drift)
+    return params.blend * params.period, _grown(old, passed, params, ramp), change
+
+
+@kernel
+def bar_at(old, new, s, begin, number, params, frequencies, ramp):
+    """The bar's `Frame` at time `s` of base cycle `number`; see `phasors_at`."""
+    blend, base, change = phasors_at(old, new, s, begin, number, params, ramp)
+    phase = phase_at(number, frequencies)
+    return frame_at(Piece(params.omega, begin, blend, base, change, frequencies, phase, ramp), s)

@@ -22,14 +22,23 @@ def cos_sin(angle):
 
 
 @kernel
-def waves_at(omega, s, rates):
-    """Waves of x, tilt and z at time s: at omega, omega and 2 omega, or at frequencies of their own (`rates`)."""
-    if rates is None:
+def angular(omega, frequencies):
+    """Angular frequencies of x, tilt and z, rad/s: omega, omega and 2 omega, or their own multiples of omega."""
+    if frequencies is None:
+        return omega, omega, 2.0 * omega
+    else:
+        return frequencies.x * omega, frequencies.tilt * omega, frequencies.z * omega
+
+
+@kernel
+def waves_at(omega, s, frequencies, phase):
+    """Waves of x, tilt and z at time s; `phase` are their angles at s = 0, used with frequencies of their own."""
+    if frequencies is None:
         cos, sin = math.cos(omega * s), math.sin(omega * s)
         return (cos, sin), (cos, sin), (cos * cos - sin * sin, 2.0 * sin * cos)
     else:
-        w, p = rates.omega, rates.phase
-        a, b, c = w[0] * s + p[0], w[1] * s + p[1], w[2] * s + p[2]
+        w = angular(omega, frequencies)
+        a, b, c = w[0] * s + phase[0], w[1] * s + phase[1], w[2] * s + phase[2]
         return (math.cos(a), math.sin(a)), (math.cos(b), math.sin(b)), (math.cos(c), math.sin(c))
 
 
@@ -46,9 +55,9 @@ def turned(wave, half):
 
 
 @kernel
-def turned_waves(omega, waves, ds, rates):
+def turned_waves(omega, waves, ds, frequencies):
     """The waves of x, tilt and z a time ds later, and their changes."""
-    if rates is None:
+    if frequencies is None:
         half = cos_sin(0.5 * omega * ds)
         end, change, middle = turned(waves[0], half)
         cm, sm = middle
@@ -57,7 +66,7 @@ def turned_waves(omega, waves, ds, rates):
         end_2 = (end[0] * end[0] - end[1] * end[1], 2.0 * end[1] * end[0])
         return (end, end, end_2), (change, change, (-2.0 * s_2mid * s_2half, 2.0 * c_2mid * s_2half))
     else:
-        w = rates.omega
+        w = angular(omega, frequencies)
         a, d_a, _ = turned(waves[0], cos_sin(0.5 * w[0] * ds))
         b, d_b, _ = turned(waves[1], cos_sin(0.5 * w[1] * ds))
         c, d_c, _ = turned(waves[2], cos_sin(0.5 * w[2] * ds))

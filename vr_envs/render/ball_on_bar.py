@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from vr_envs.models.ball_on_bar import interval
-from vr_envs.models.bar import Frame, frame_at
-from vr_envs.models.drive import base_cycle, piece_at
+from vr_envs.models.bar import Frame
+from vr_envs.models.drive import bar_at, base_cycle
 from vr_envs.render.base import Painter
 from vr_envs.render.canvas import Box, Point, View
 from vr_envs.render.chart import History, Strip, nice_step
@@ -116,7 +116,7 @@ class BallOnBarPainter(Painter):
         since = begin + s - passed * self.params["period"]
         from_motion, from_time = (new, 0.0) if passed else (old, begin)
         drive = self.options["frequencies"], self.options["ramp"]
-        bar = frame_at(piece_at(from_motion, new, since, from_time, number + passed, self.params, *drive), since)
+        bar = bar_at(from_motion, new, since, from_time, number + passed, self.params, *drive)
         return Moment(time, since, ball, bar)
 
     def _begin(self, state: np.void) -> None:
