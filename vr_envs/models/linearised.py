@@ -97,7 +97,7 @@ class CycleMap:
                 )
         self.params = params.copy()
         self.params["hold"] = 1.0
-        self.options, self._record = tuple(options), dtype_of(state)
+        self.options, self.record = tuple(options), dtype_of(state)
         spins = self.options[list(OPTIONS).index("spin")] is not None
         self.coordinates = ("x", "u", "z", "w", "spin") if spins else ("x", "u", "z", "w")
         self.horizontal = np.array([name not in ("z", "w") for name in self.coordinates])
@@ -110,7 +110,7 @@ class CycleMap:
     def run(self, points: np.ndarray, until: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Images (k, n) of points (k, n + 12), NaN where the ball does not fly; impacts (k,); logs (k, capacity, .)."""
         n = len(self.coordinates)
-        states = np.zeros(len(points), self._record)
+        states = np.zeros(len(points), self.record)
         for name, column in zip(self.coordinates, points.T[:n], strict=True):
             states[name] = column
         states["motion"] = points[:, n : n + 6]
