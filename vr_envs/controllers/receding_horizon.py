@@ -15,14 +15,17 @@ from vr_envs.models.ball_on_bar import interval
 from vr_envs.models.jit import kernel
 
 CYCLES = 8  # planned ahead
+THROWS = 4  # cycles of the largest z motion, at most, that a plan may begin with
 SWEEPS = 3  # linearise, solve, follow
 LENGTHS = np.array([1.0, 0.5, 0.2, 0.05])  # parts of a planned change that are tried, until one is better
+CHATTER = 6  # impacts in an interval beyond which the ball is coming to rest
+TANGLED = 10.0  # cost of such an interval: more than a ball at the end of the bar
 DIFFERENCE = 1e-4  # step of the derivatives, in units of observations and actions
 
 
 @kernel
 def _follow(ball, s, action, reached, units, spans, centre, params, options):
-    """The state `reached` one control interval after `s`; False if the ball is lost on the way."""
+    """The state `reached` one control interval after `s`; returns the cost of a ball that is lost or comes to rest."""
     b, k = ball[0], units.shape[0]
     b.steps, b.impacts, b.resting, b.lost, b.fault = 0, 0, False, False, False
     b.x, b.u, b.z, b.w = s[0] * units[0], s[1] * units[1], s[2] * units[2], s[3] * units[3]
@@ -40,7 +43,9 @@ def _follow(ball, s, action, reached, units, spans, centre, params, options):
     if k > 4:
         reached[4] = b.spin / units[4]
     reached[k:] = action
-    return not (b.lost or b.fault)
+    if b.lost or b.fault:
+        return math.inf
+    return TANGLED if b.resting or b.impacts > CHATTER else 0.0
 
 
 @kernel
@@ -55,15 +60,6 @@ def _cost(states, actions, task):
             total += effort * (actions[k, i] - base[i]) ** 2
     end = states[-1] - target
     return total + end @ (p @ end)
-
-
-@kernel
-def _roll(states, actions, task, ball, system):
-    """Follow `actions` from `states[0]`; returns the cost, infinite if the ball is lost."""
-    for k in range(len(actions)):
-        if not _follow(ball, states[k], actions[k], states[k + 1], *system):
-            return math.inf
-    return _cost(states, actions, task)
 
 
 @kernel
@@ -135,21 +131,23 @@ def _plan(start, feedback, task, ball, system):
     states, actions = np.empty((CYCLES + 1, width)), np.empty((CYCLES, 6))
     best_states, best_actions = states.copy(), actions.copy()
     states[0], best_states[0] = start, start
-    best = math.inf
-    for kind in range(3):  # begin with the best of: linear feedback, the base motion, the most that z can do
-        lost = False
+    best, tangled = math.inf, math.inf
+    # begin with the best of: the base motion, linear feedback, and this after the most that z can do for some cycles;
+    # least time at rest comes first, and where it cannot be helped the ball is thrown
+    for kind in range(THROWS, -2, -1):
+        extra = 0.0
         for k in range(CYCLES):
             actions[k] = base
-            if kind == 0:
+            if kind >= 0:
                 actions[k] -= feedback @ (states[k] - target)
-            elif kind == 2:
+            if k < kind:
                 actions[k, 4] = 1.0
             _clip(actions[k])
-            lost = lost or not _follow(ball, states[k], actions[k], states[k + 1], *system)
-        cost = math.inf if lost else _cost(states, actions, task)
-        if cost < best or kind == 2 and best == math.inf:
-            best, best_states[:], best_actions[:] = cost, states, actions
-    if best == math.inf:
+            extra += _follow(ball, states[k], actions[k], states[k + 1], *system)
+        cost = extra + _cost(states, actions, task)
+        if kind == THROWS or extra < tangled or extra == tangled < CYCLES * TANGLED and cost < best:
+            best, best_states[:], best_actions[:], tangled = cost, states, actions, extra
+    if tangled > 0.0:
         return best_actions[0]
     by_state, by_action = np.empty((CYCLES, width, width)), np.empty((CYCLES, width, 6))
     change, gain = np.empty((CYCLES, 6)), np.empty((CYCLES, 6, width))
@@ -158,12 +156,12 @@ def _plan(start, feedback, task, ball, system):
         _backward(best_states, best_actions, by_state, by_action, change, gain, task)
         better = False
         for length in LENGTHS:
-            lost = False
+            extra = 0.0
             for k in range(CYCLES):
                 actions[k] = best_actions[k] + length * change[k] + gain[k] @ (states[k] - best_states[k])
                 _clip(actions[k])
-                lost = lost or not _follow(ball, states[k], actions[k], states[k + 1], *system)
-            cost = math.inf if lost else _cost(states, actions, task)
+                extra += _follow(ball, states[k], actions[k], states[k + 1], *system)
+            cost = extra + _cost(states, actions, task)
             if cost < best:
                 best, best_states[:], best_actions[:], better = cost, states, actions, True
                 break
