@@ -15,7 +15,7 @@ from vr_envs.models.ball_on_bar import interval
 from vr_envs.models.jit import kernel
 
 CYCLES = 8  # planned ahead
-THROWS = 4  # cycles of the largest z motion, at most, that a plan may begin with
+THROWS = 3  # cycles with z at a corner of its range with which a plan begins that is to get the ball off the bar
 SWEEPS = 3  # linearise, solve, follow
 LENGTHS = np.array([1.0, 0.5, 0.2, 0.05])  # parts of a planned change that are tried, until one is better
 CHATTER = 6  # impacts in an interval beyond which the ball is coming to rest
@@ -132,20 +132,22 @@ def _plan(start, feedback, task, ball, system):
     best_states, best_actions = states.copy(), actions.copy()
     states[0], best_states[0] = start, start
     best, tangled = math.inf, math.inf
-    # begin with the best of: the base motion, linear feedback, and this after the most that z can do for some cycles;
-    # least time at rest comes first, and where it cannot be helped the ball is thrown
-    for kind in range(THROWS, -2, -1):
+    # begin with the base motion or linear feedback; if both bring the ball to rest, with this after some throws
+    for kind in range(-1, 4**THROWS):
+        if kind > 0 and tangled == 0.0:
+            break
         extra = 0.0
         for k in range(CYCLES):
             actions[k] = base
             if kind >= 0:
                 actions[k] -= feedback @ (states[k] - target)
-            if k < kind:
-                actions[k, 4] = 1.0
+            if kind > 0 and k < THROWS:
+                corner = kind >> 2 * k
+                actions[k, 4], actions[k, 5] = 1.0 - (corner & 2), 1.0 - 2.0 * (corner & 1)
             _clip(actions[k])
             extra += _follow(ball, states[k], actions[k], states[k + 1], *system)
         cost = extra + _cost(states, actions, task)
-        if kind == THROWS or extra < tangled or extra == tangled < CYCLES * TANGLED and cost < best:
+        if kind < 0 or extra < tangled or extra == tangled and cost < best:
             best, best_states[:], best_actions[:], tangled = cost, states, actions, extra
     if tangled > 0.0:
         return best_actions[0]
@@ -187,12 +189,13 @@ class RecedingHorizon:
 
     TUNABLE: ClassVar[dict[str, tuple[float, float, float]]] = {}
     EFFORT = 0.03
+    SHARE = 0.5  # of the range of x and tilt
 
     def __init__(self, scene: Scene) -> None:
         """Compiles its kernel for the scene, at the first action."""
         p = scene.params
         self.design = design = Design(scene)
-        half = {"x_acceleration": 0.5 * p.x_acceleration, "tilt_acceleration": 0.5 * p.tilt_acceleration}
+        half = {"x_acceleration": self.SHARE * p.x_acceleration, "tilt_acceleration": self.SHARE * p.tilt_acceleration}
         self.action = BellSink(scene, z_acceleration=p.z_acceleration, **half).action.astype(float)
         self._task: tuple[Any, ...] | None = None
         place = np.zeros(len(design.units) + 6)
