@@ -41,8 +41,10 @@ def test_near_the_orbit_the_plan_is_the_linear_quadratic_law():
     rest = np.concatenate([orbit.ball / law.design.units, law.action])
     step = 1e-3 * np.array([1.0, 0.5, 0.1, 0.1, 0.5, 1, 1, 1, 1, 1, 1])
     above, below = (law(observation(rest + sign * step))[0].astype(float) for sign in (1, -1))
-    assert above - below == pytest.approx(-2.0 * gain @ step, rel=0.05, abs=2e-4)
-    assert np.abs(gain @ step).max() > 5e-3
+    expected = -2.0 * gain @ step
+    assert np.abs(expected).max() > 0.04
+    # the law's derivatives are one-sided differences
+    assert above - below == pytest.approx(expected, abs=0.02 * np.abs(expected).max())
 
 
 def test_a_ball_at_rest_is_thrown_and_caught(bell):
