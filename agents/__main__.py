@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from agents.config import Config, load, parse
-from vr_envs.cli.common import whole
+from vr_envs.cli.common import add_engine, whole
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -35,6 +35,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     evaluate.add_argument("run", type=Path, metavar="RUN_DIR", help="folder that train made")
     evaluate.add_argument("--level", default="nominal", help="strength of the disturbances (default: %(default)s)")
+    add_engine(evaluate)
     evaluate.add_argument("--json", type=Path, help="write the results to this file too")
 
     for command in (train, evaluate):
@@ -92,7 +93,9 @@ def _train(config: Config, arguments: argparse.Namespace) -> int:
 def _evaluate(arguments: argparse.Namespace) -> int:
     from agents.train import evaluate
 
-    report = evaluate(arguments.run, arguments.level, arguments.scenarios, show=not arguments.quiet)
+    report = evaluate(
+        arguments.run, arguments.level, arguments.scenarios, show=not arguments.quiet, engine=arguments.engine
+    )
     print(report.table())
     if arguments.json is not None:
         report.to_json(str(arguments.json))

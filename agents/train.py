@@ -125,12 +125,20 @@ def load_run(folder: Path) -> tuple[Config, TrainedPolicy]:
     return config, TrainedPolicy(folder / POLICY, *spaces)
 
 
-def evaluate(folder: Path, level: str = "nominal", scenarios: int = 200, seed: int = 0, show: bool = True) -> Report:
-    """The run's agent beside the ladder of policies on held-out scenarios.
+def evaluate(
+    folder: Path,
+    level: str = "nominal",
+    scenarios: int = 200,
+    seed: int = 0,
+    show: bool = True,
+    engine: str | None = None,
+) -> Report:
+    """The run's agent beside the ladder of policies on held-out scenarios; `engine` None is that of the training.
 
     Raises:
-        ValueError: not the folder of a run, or an unknown level.
+        ValueError: not the folder of a run, or an unknown level or engine.
     """
     config, policy = load_run(folder)
     extra: dict[str, Policy] = {config.algorithm: policy}
-    return evaluate_ladder(config.env, config.scene, level, scenarios, seed, extra, progress=show)
+    scene = resolve(task_of(config.env), config.scene, engine).as_dict()
+    return evaluate_ladder(config.env, scene, level, scenarios, seed, extra, progress=show)

@@ -80,6 +80,17 @@ def test_evaluate_prints_a_table_per_level_and_writes_json(toy, capsys, tmp_path
     assert list(reports[0]["policies"]) == ["cancel", "random"]
 
 
+def test_evaluate_with_another_engine(capsys, tmp_path):
+    out = tmp_path / "out.json"
+    scene = '{"rigid_body": {"step": 5e-4}}'
+    arguments = ["evaluate", "BallOnBar", "--scene", scene, "--scenarios", "2", "--policies", "bell-sink"]
+    assert main([*arguments, "--json", str(out)]) == 0
+    assert "scene bell with rigid_body, level nominal: 2 " in capsys.readouterr().out
+    assert json.loads(out.read_text())[0]["scene"]["rigid_body"] == {"step": 5e-4}
+    assert main([*arguments, "--engine", "exact"]) == 0
+    assert "scene bell, level nominal: 2 " in capsys.readouterr().out
+
+
 def test_evaluate_refuses_in_one_line(toy, capsys, tmp_path):
     assert "choose one of plain, biased, narrow" in refused(capsys, "evaluate", toy, "--scene", "moon")
     assert "did you mean 'push'?" in refused(capsys, "evaluate", toy, "--scene", '{"pusch": 1}')
@@ -87,6 +98,7 @@ def test_evaluate_refuses_in_one_line(toy, capsys, tmp_path):
     assert "not JSON" in refused(capsys, "evaluate", toy, "--scene", "{push: 11}")
     assert "choose among do-nothing" in refused(capsys, "evaluate", toy, "--policies", "best")
     assert "nominal, light, severe" in refused(capsys, "evaluate", toy, "--level", "hard")
+    assert "no engine 'rigid_body'; choose one of exact" in refused(capsys, "evaluate", toy, "--engine", "rigid_body")
     assert "at least 2" in refused(capsys, "evaluate", toy, "--scenarios", "1")
     assert "there is no folder" in refused(capsys, "evaluate", toy, "--json", str(tmp_path / "no" / "out.json"))
     assert "is a folder" in refused(capsys, "evaluate", toy, "--json", str(tmp_path))
@@ -223,7 +235,7 @@ def test_list_names_every_parameter_and_channel(capsys, env_id):
         text = capsys.readouterr().out
         scene = resolve(task, name)
         fields = [f.name for f in dataclasses.fields(task.params)]
-        fields += [f"{option}.{f.name}" for option, cls in task.options.items() for f in dataclasses.fields(cls)]
+        fields += [f"{option}.{f.name}" for option, cls in task.additions.items() for f in dataclasses.fields(cls)]
         channels = [c.name for c in (*task.observation_channels(scene), *task.action_channels(scene))]
         for expected in fields:
             assert f"\n| {expected} " in text

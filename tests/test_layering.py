@@ -12,6 +12,7 @@ ROOT = Path(__file__).resolve().parent.parent
 ALLOWED = {
     "models": {"models"},
     "envs": {"models", "envs"},
+    "rigid_body": {"models", "envs", "rigid_body"},
     "controllers": {"models", "envs", "controllers"},
     "evaluation": {"models", "envs", "controllers", "evaluation"},
     "render": {"models", "envs", "render"},
@@ -22,6 +23,7 @@ ALLOWED = {
 LIBRARIES = {
     "models": {"math", "numpy", "numba"},
     "envs": {"numpy", "gymnasium"},
+    "rigid_body": {"numpy", "pymunk"},
     "controllers": {"numpy", "scipy"},
 }
 STANDARD = set(sys.stdlib_module_names)

@@ -98,6 +98,8 @@ def test_command_line_trains_and_evaluates(tmp_path, file, capsys):
     assert command.main(["evaluate", str(out), "--scenarios", "20", "--json", str(results), "--quiet"]) == 0
     assert "| ppo" in capsys.readouterr().out
     assert json.loads(results.read_text())["policies"].keys() >= {"ppo", "proportional", "do-nothing"}
+    assert command.main(["evaluate", str(out), "--engine", "rigid_body", "--quiet"]) == 2
+    assert "no engine 'rigid_body'; choose one of exact" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -103,6 +103,16 @@ def test_between_two_states_the_ball_flies_as_the_model_says(scene):
             assert moment.ball["z"] > surface - 1e-12
 
 
+def test_between_two_states_the_ball_flies_as_the_engine_of_the_scene_says():
+    scene = {"rigid_body": {"step": 2e-4}}
+    resolved, states = episode_of("BallOnBar-v0", scene, "bell-sink", 3)
+    artist = painter("ball_on_bar", resolved, "rgb_array")
+    for before, after in zip(states[:-1], states[1:], strict=True):
+        moments = list(artist._between(before, after, 4))
+        assert all(moments[-1].ball[name] == after[name] for name in ("x", "z", "u", "w", "impacts"))
+        assert len({float(moment.ball["z"]) for moment in moments}) == 4
+
+
 def test_a_cycle_stopped_on_the_way_agrees_with_the_impacts_of_the_whole():
     resolved, states = episode_of("BallOnBar-v0", None, "bell-sink", 3)
     params, options = resolved.records()

@@ -42,6 +42,13 @@ def add_scene(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_engine(parser: argparse.ArgumentParser) -> None:
+    """The argument --engine."""
+    parser.add_argument(
+        "--engine", metavar="NAME", help="exact, or another engine of the system; default: the scene's, usually exact"
+    )
+
+
 def scene_of(text: str | None) -> str | Mapping[str, Any] | None:
     """A scene as it stands on the command line."""
     if text is None or not text.lstrip().startswith("{"):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from vr_envs.cli.common import add_command, add_scene, check_writable, names, scene_of, user_input, whole
+from vr_envs.cli.common import add_command, add_engine, add_scene, check_writable, names, scene_of, user_input, whole
 
 
 def add(commands: Any) -> None:
@@ -16,10 +16,12 @@ def add(commands: Any) -> None:
         "roll the policies that need no training out on held-out scenarios",
         "  vr-envs evaluate BallOnBar-v0\n"
         "  vr-envs evaluate Autopilot-v0 --scene lecture --level all --json autopilot.json\n"
-        "  vr-envs evaluate TerrainRide-v0 --policies do-nothing,random --scenarios 500",
+        "  vr-envs evaluate TerrainRide-v0 --policies do-nothing,random --scenarios 500\n"
+        "  vr-envs evaluate BallOnBar-v0 --engine rigid_body --scenarios 20",
     )
     parser.add_argument("id", help="an environment id; prefix and version may be left out")
     add_scene(parser)
+    add_engine(parser)
     parser.add_argument("--level", default="nominal", help="nominal (default), light, severe, or all")
     parser.add_argument("--policies", type=names, metavar="A,B", help="only these; default all")
     parser.add_argument("--scenarios", type=whole(2), default=200, metavar="N", help="default 200")
@@ -32,14 +34,15 @@ def run(arguments: argparse.Namespace) -> None:
     """Print one table per level."""
     from vr_envs.controllers.ladder import ladder
     from vr_envs.envs.registry import task_of
+    from vr_envs.envs.scene import resolve
     from vr_envs.evaluation.files import write_json
     from vr_envs.evaluation.report import choose, evaluate_ladder
     from vr_envs.evaluation.scenarios import scenario_set
 
-    scene = scene_of(arguments.scene)
     check_writable(arguments.json)
     with user_input():
         task = task_of(arguments.id)
+        scene = resolve(task, scene_of(arguments.scene), arguments.engine).as_dict()
         levels = list(task.levels) if arguments.level == "all" else [arguments.level]
         sets = [scenario_set(arguments.id, scene, level, arguments.scenarios, arguments.seed) for level in levels]
         choose(ladder(task, sets[0].scene), arguments.policies)

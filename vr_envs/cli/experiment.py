@@ -47,15 +47,17 @@ def run(arguments: argparse.Namespace) -> None:
     if not os.access(folder, os.W_OK):
         raise UserError(f"cannot write to {folder}: permission denied")
     from vr_envs.experiments.runner import run_all, summary
+    from vr_envs.render.extras import extra
 
-    agreed, total = 0, 0
     try:
-        for name, findings in run_all(names, folder, arguments.jobs):
-            print(summary(name, findings), end="\n\n", flush=True)
-            agreed += sum(finding.agrees for finding in findings)
-            total += len(findings)
+        extra("matplotlib.figure")
     except ImportError as error:
         raise UserError(str(error)) from error
+    agreed, total = 0, 0
+    for name, findings in run_all(names, folder, arguments.jobs):
+        print(summary(name, findings), end="\n\n", flush=True)
+        agreed += sum(finding.agrees for finding in findings)
+        total += len(findings)
     print(f"{agreed} of {total} findings agree; pictures and tables in {folder}")
 
 

@@ -55,11 +55,12 @@ def details(env_id: str, scene: Any) -> str:
     if isinstance(scene, dict):
         scenes["yours"] = chosen
     rows = _fields(task.params, [s.params for s in scenes.values()])
-    for option, cls in task.options.items():
-        rows += _fields(cls, [s.options[option] for s in scenes.values()], f"{option}.")
+    for option, cls in task.additions.items():
+        rows += _fields(cls, [s.added[option] for s in scenes.values()], f"{option}.")
     channels = {"observation": task.observation_channels(chosen), "action": task.action_channels(chosen)}
     blocks = [
-        f"{spec_of(env_id).id}: {limit} steps of {task.dt(chosen):.4g} s; levels {', '.join(task.levels)}",
+        f"{spec_of(env_id).id}: {limit} steps of {task.dt(chosen):.4g} s; levels {', '.join(task.levels)}; "
+        f"engines {', '.join(task.engine_names)}",
         "Parameters by scene (-: the option is absent)",
         markdown(
             ["parameter", *scenes, "unit", "allowed", "meaning"],

@@ -6,7 +6,17 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from vr_envs.cli.common import UserError, add_command, add_scene, check_writable, positive, scene_of, user_input, whole
+from vr_envs.cli.common import (
+    UserError,
+    add_command,
+    add_engine,
+    add_scene,
+    check_writable,
+    positive,
+    scene_of,
+    user_input,
+    whole,
+)
 
 
 def add(commands: Any) -> None:
@@ -23,6 +33,7 @@ def add(commands: Any) -> None:
     parser.add_argument("id", help="an environment id; prefix and version may be left out")
     parser.add_argument("--policy", metavar="NAME", help="default: the source documents' law")
     add_scene(parser)
+    add_engine(parser)
     parser.add_argument(
         "--scenario", type=whole(0), metavar="KEY", help="an episode key; default: the first held-out scenario"
     )
@@ -53,7 +64,7 @@ def run(arguments: argparse.Namespace) -> None:
 
     with user_input():
         task, limit = task_of(arguments.id), limit_of(arguments.id)
-        scene = resolve(task, scene_of(arguments.scene))
+        scene = resolve(task, scene_of(arguments.scene), arguments.engine)
         policies = ladder(task, scene)
         name = choose(policies, [arguments.policy or baseline_of(task)])[0]
     key = int(scenario_keys(1)[0]) if arguments.scenario is None else arguments.scenario

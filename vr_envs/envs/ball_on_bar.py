@@ -7,14 +7,16 @@ import math
 
 import numpy as np
 
+from vr_envs.envs.ball_on_bar_engines import ENGINES
 from vr_envs.envs.ball_on_bar_observation import observations, observe
 from vr_envs.envs.base import BatchEnv, ScalarEnv
 from vr_envs.envs.scene import Scene
 from vr_envs.envs.task import Channel, Task
 from vr_envs.models.ball_on_bar import Params as BarParams
 from vr_envs.models.ball_on_bar import State as BallState
-from vr_envs.models.ball_on_bar import advance, see
+from vr_envs.models.ball_on_bar import advance
 from vr_envs.models.ball_options import OPTIONS
+from vr_envs.models.ball_sensors import ages_of, sense_start
 from vr_envs.models.jit import kernel
 from vr_envs.models.noise import uniform
 from vr_envs.models.record import quantity
@@ -42,7 +44,7 @@ class State(BallState):
 
 
 @kernel
-def start(state, params, scatter, spin, friction, softening, curve, *_others):
+def start(state, params, scatter, spin, friction, softening, curve, frequencies, ramp, sensing, camera, textbook):
     """Ball displaced along the bar, on the vertical period-one orbit of the bar's motion at action 0.
 
     Impacts happen at the phase phi of sin(2 omega t + pi/2) with cos(phi) = pi g (1 - alpha)/(1 + alpha)/Acc; below
@@ -60,7 +62,7 @@ def start(state, params, scatter, spin, friction, softening, curve, *_others):
     state.motion[4] = params.z_centre
     if curve is not None:
         state.z += 0.5 * curve.curvature * state.x * state.x
-    see(state)
+    sense_start(state, params.gravity, sensing, camera)
 
 
 @kernel
@@ -122,15 +124,19 @@ def _validate(scene: Scene) -> None:
         raise ValueError(f"hold = {p.hold:g} cycles; give 0.5 or a whole number")
     if p.blend > p.hold:
         raise ValueError(f"blend = {p.blend:g} is longer than hold = {p.hold:g}; give blend <= hold")
-    curve, sensing = scene.options["curve"], scene.options["sensing"]
+    curve = scene.options["curve"]
     if curve is not None and abs(curve.curvature) * p.half_length > 1.0:
         raise ValueError(
             f"curve.curvature = {curve.curvature:g} 1/m at half_length = {p.half_length:g} m is steeper than 45 "
             f"degrees; give at most {1.0 / p.half_length:.4g} 1/m"
         )
     longest = min(1.0, p.hold) * p.period
-    if sensing is not None and sensing.delay > longest:
-        raise ValueError(f"sensing.delay = {sensing.delay:g} s; give at most {longest:.4g} s, a cycle or interval")
+    age, _ = ages_of.py_func(scene.options["sensing"], scene.options["camera"])
+    if age > longest:
+        raise ValueError(
+            f"{scene.observation} looks {age:.4g} s before the observation; give a delay (or a latency and the time "
+            f"between two frames) of at most {longest:.4g} s, the last base cycle or the interval"
+        )
 
 
 TASK = Task(
@@ -159,6 +165,8 @@ TASK = Task(
     metrics=_metrics,
     dt=_interval,
     validate=_validate,
+    engines=ENGINES,
+    sensors=("sensing", "camera"),
 )
 
 
@@ -214,6 +222,13 @@ class BallOnBarEnv(ScalarEnv):
     holds it), or a dict of
     overrides: parameters and the options `scatter` (`restitution`, `normal`) and `spin` (`inertia_ratio`, `radius`);
     `vr-envs list BallOnBar` prints all with units. `render_mode`: None, `"rgb_array"` or `"human"`.
+
+    `engine`, what moves the ball: `"exact"` (default), `"textbook"` (contacts found as in Bell's simulator: `samples`
+    of the gap per period of z, then a binary search) or `"rigid_body"` (the Chipmunk engine in fixed time steps of
+    `step`; one environment at a time, so not in `gym.make_vec` with the native batch). The settings are laid into the
+    scene, `scene={"rigid_body": {"step": 5e-5}}`, which chooses the engine too; `engine` takes its defaults where the
+    scene has none, and replaces another engine of the scene. With each of them a step follows from record and action
+    alone, so a saved state replays to the same bytes.
 
     ## Version History
     * v0: first version.

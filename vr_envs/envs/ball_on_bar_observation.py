@@ -25,12 +25,15 @@ def _scaled(value, scale):
 
 
 @kernel
-def _seen(state, sensing):
+def _seen(state, sensing, camera):
     """(x, u, z, w, spin) of the ball as they are seen."""
+    v = state.seen
+    if camera is not None:
+        return v[0], v[1], v[2], v[3], v[4]
     if sensing is None:
         return state.x, state.u, state.z, state.w, state.spin
     else:
-        v, counter = state.seen, _NOISE_COUNTER + 3 * state.steps
+        counter = _NOISE_COUNTER + 3 * state.steps
         n_x, n_z = normal_pair(state.key, counter)
         n_u, n_w = normal_pair(state.key, counter + 1)
         n_spin, _ = normal_pair(state.key, counter + 2)
@@ -39,9 +42,11 @@ def _seen(state, sensing):
 
 
 @kernel
-def observe(state, row, params, scatter, spin, friction, softening, curve, frequencies, ramp, sensing, textbook):
+def observe(
+    state, row, params, scatter, spin, friction, softening, curve, frequencies, ramp, sensing, camera, textbook
+):
     """Write the observation of `state`; the channels are documented at `observations`."""
-    x, u, z, w, rolled = _seen(state, sensing)
+    x, u, z, w, rolled = _seen(state, sensing, camera)
     row[0] = _scaled(x, params.half_length)
     row[1] = _scaled(u, SPEED_SCALE)
     row[2] = _scaled(z, HEIGHT_SCALE)

@@ -27,11 +27,17 @@ class ScalarEnv(gym.Env[np.ndarray, np.ndarray]):
     task: ClassVar[Task]
     metadata: dict[str, Any] = {"render_modes": ["rgb_array", "human"], "render_fps": 30}
 
-    def __init__(self, scene: str | Mapping[str, Any] | None = None, render_mode: str | None = None) -> None:
-        """See the class for the scenes; `render_mode` is None, "rgb_array" or "human"."""
+    def __init__(
+        self,
+        scene: str | Mapping[str, Any] | None = None,
+        render_mode: str | None = None,
+        engine: str | None = None,
+        observation: str | None = None,
+    ) -> None:
+        """See the class for scenes, engines and observations; `render_mode` is None, "rgb_array" or "human"."""
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
             raise ValueError(f"render_mode = {render_mode!r}; choose one of {self.metadata['render_modes']} or None")
-        self.world = World(self.task, scene, 1)
+        self.world = World(self.task, scene, 1, engine=engine, observation=observation)
         self.observation_space = self.world.observation_space
         self.action_space = self.world.action_space
         self.render_mode = render_mode
@@ -85,6 +91,11 @@ class ScalarEnv(gym.Env[np.ndarray, np.ndarray]):
             self.render()
         return obs[0], float(rewards[0]), bool(terminated[0]), self._restored and bool(truncated[0]), info
 
+    @property
+    def engine(self) -> str:
+        """What moves the state: "exact" or another engine of the task."""
+        return self.world.scene.engine
+
     def metrics(self) -> dict[str, Any]:
         """Domain metrics of the episode so far, as the last step's info has them.
 
@@ -137,8 +148,10 @@ class BatchEnv(gym.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         max_episode_steps: int | None = None,
         autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
         render_mode: str | None = None,
+        engine: str | None = None,
+        observation: str | None = None,
     ) -> None:
-        """See the scalar class for the scenes.
+        """See the scalar class for scenes, engines and observations.
 
         Args:
             num_envs: number of rows, at least 1.
@@ -146,6 +159,8 @@ class BatchEnv(gym.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
             max_episode_steps: control intervals after which a row is truncated; None is never.
             autoreset_mode: a member of AutoresetMode, its name ("NEXT_STEP") or its value ("NextStep").
             render_mode: None; a batch draws no pictures.
+            engine: one that moves its states in kernels.
+            observation: "state" or a sensor.
         """
         if isinstance(num_envs, bool) or not isinstance(num_envs, int | np.integer) or num_envs < 1:
             raise ValueError(f"num_envs = {num_envs!r}; give a whole number of at least 1")
@@ -158,7 +173,12 @@ class BatchEnv(gym.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         self.autoreset_mode = _autoreset_mode(autoreset_mode)
         self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode}
         self.num_envs = int(num_envs)
-        self.world = World(self.task, scene, self.num_envs)
+        self.world = World(self.task, scene, self.num_envs, engine=engine, observation=observation)
+        if self.world.simulator is not None:
+            raise ValueError(
+                f"engine {self.engine!r} moves one environment at a time, a native batch of it would be no faster; use "
+                "gym.make, or several of these in gym.make_vec(..., vectorization_mode='sync')"
+            )
         self.single_observation_space = self.world.observation_space
         self.single_action_space = self.world.action_space
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
@@ -169,6 +189,11 @@ class BatchEnv(gym.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         self._done = np.zeros(self.num_envs, np.bool_)
         self._live = np.ones(self.num_envs, np.bool_)
         self._ready = np.zeros(self.num_envs, np.bool_)
+
+    @property
+    def engine(self) -> str:
+        """What moves the states, as in the scalar class."""
+        return self.world.scene.engine
 
     @property
     def np_random(self) -> tuple[np.random.Generator, ...]:  # type: ignore[override]

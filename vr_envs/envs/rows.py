@@ -89,6 +89,11 @@ def _build_once(start: Any, advance: Any, outcome: Any, observe: Any) -> Rows:
     return _build(start, advance, outcome, observe)
 
 
-def rows_of(task: Task) -> Rows:
-    """The compiled row loops of `task`."""
-    return _build_once(task.start, task.advance, task.outcome, task.observe)
+@kernel
+def _stay(state, action, params, *options):
+    """In place of `advance` where a simulator has moved the state already."""
+
+
+def rows_of(task: Task, simulated: bool = False) -> Rows:
+    """The compiled row loops of `task`; with `simulated` their `step` judges states that have been moved already."""
+    return _build_once(task.start, _stay if simulated else task.advance, task.outcome, task.observe)

@@ -2,7 +2,7 @@
 
 A scene is JSON-able: `"bell"`, `{"restitution": 0.8}` (over the default preset) or
 `{"base": "bell", "scatter": None, "spin": True}`. An option is None (absent: compiled away), True (present with
-its defaults) or a dict of overrides of its fields.
+its defaults) or a dict of overrides of its fields. An engine other than the exact one is laid in like an option.
 """
 
 from __future__ import annotations
@@ -22,11 +22,17 @@ if TYPE_CHECKING:
 
 @dataclasses.dataclass(frozen=True)
 class Scene:
-    """A resolved scene: `params` and one entry per option (None when absent), as dataclass instances."""
+    """A resolved scene: `params` and one entry per option and per simulator (None when absent), as dataclass instances.
+
+    `engine` names what moves the state; its settings are the entry of that name.
+    """
 
     name: str
     params: Any
     options: dict[str, Any]
+    simulators: dict[str, Any]
+    engine: str
+    observation: str
     label: str
     """The preset's name, and what differs from the preset."""
 
@@ -34,10 +40,15 @@ class Scene:
         """The records that kernels take: (params, options in kernel order)."""
         return pack(self.params), tuple(None if o is None else pack(o) for o in self.options.values())
 
+    @property
+    def added(self) -> dict[str, Any]:
+        """Options and simulators together."""
+        return {**self.options, **self.simulators}
+
     def as_dict(self) -> dict[str, Any]:
         """Every resolved value, JSON-able; `resolve(task, scene.as_dict())` gives the same scene."""
-        options = {k: None if o is None else dataclasses.asdict(o) for k, o in self.options.items()}
-        return {"base": self.name, **dataclasses.asdict(self.params), **options}
+        added = {k: None if o is None else dataclasses.asdict(o) for k, o in self.added.items()}
+        return {"base": self.name, **dataclasses.asdict(self.params), **added}
 
 
 def unknown_key(key: str, allowed: list[str], where: str) -> ValueError:
@@ -54,13 +65,13 @@ def _field_names(cls: type) -> list[str]:
 def _merge(task: Task, merged: dict[str, Any], overrides: Mapping[str, Any], where: str) -> None:
     """Lay `overrides` over `merged`; dicts of an option are laid over that option's earlier dict."""
     params = _field_names(task.params)
-    allowed = ["base", *params, *task.options]
+    allowed = ["base", *params, *task.additions]
     for key, value in overrides.items():
         if key == "base":
             continue
         if key in params:
             merged[key] = value
-        elif key not in task.options:
+        elif key not in task.additions:
             raise unknown_key(key, allowed, where)
         elif value is None or value is False:
             merged[key] = None
@@ -71,11 +82,51 @@ def _merge(task: Task, merged: dict[str, Any], overrides: Mapping[str, Any], whe
             raise ValueError(f"{where}: option {key!r} = {value!r}; give null, true or a dict of its fields")
 
 
-def resolve(task: Task, scene: str | Mapping[str, Any] | None = None) -> Scene:
+def _choose(kind: str, given: str | None, names: tuple[str, ...], merged: dict[str, Any], task: Task) -> str:
+    """Which of the `names` of a kind ("engine", "observation") is in `merged`; the first needs no entry.
+
+    `given`, if not None, is put in place of what is there.
+    """
+    if given is not None:
+        if given not in names:
+            raise ValueError(f"{task.name} has no {kind} {given!r}; choose one of {', '.join(names)}")
+        for name in names[1:]:
+            merged[name] = (merged.get(name) or {}) if name == given else None
+    present = [name for name in names[1:] if merged.get(name) is not None]
+    if len(present) > 1:
+        raise ValueError(f"{' and '.join(present)} exclude each other; give one and set the other to null")
+    return present[0] if present else names[0]
+
+
+def _check_support(task: Task, scene: Scene) -> None:
+    """Refuse an option that the engine of the scene does not know."""
+    if scene.engine in task.simulators:
+        known = task.simulators[scene.engine].OPTIONS
+        for name, record in scene.options.items():
+            if record is not None and name not in known:
+                raise ValueError(
+                    f"engine {scene.engine!r} does not know the option {name!r} of {task.name}; it knows "
+                    f"{', '.join(known)}: set {name!r} to null, or use the engine {task.engine_names[0]!r}"
+                )
+
+
+def resolve(
+    task: Task,
+    scene: str | Mapping[str, Any] | None = None,
+    engine: str | None = None,
+    observation: str | None = None,
+) -> Scene:
     """Resolve and check a scene of `task`; None is the task's default preset.
 
+    Args:
+        task: whose scene it is.
+        scene: a preset's name or a dict of overrides.
+        engine: a name, in place of the engine that the scene has; settings that the scene has for it stay.
+        observation: "state" or a sensor's name, likewise.
+
     Raises:
-        ValueError: unknown preset or key, wrong type, non-finite or out-of-range value; it names all three.
+        ValueError: unknown name (of a preset, key, engine or observation), wrong type, not finite or out of range;
+            it names what was given and what is allowed.
     """
     overrides: Mapping[str, Any] = {} if scene is None or isinstance(scene, str) else scene
     if not isinstance(overrides, Mapping):
@@ -86,17 +137,22 @@ def resolve(task: Task, scene: str | Mapping[str, Any] | None = None) -> Scene:
     merged: dict[str, Any] = {}
     _merge(task, merged, task.scenes[base], f"preset {base!r}")
     _merge(task, merged, overrides, f"scene of {task.name}")
-    options: dict[str, Any] = {}
-    for name, cls in task.options.items():
+    engine_name = _choose("engine", engine, task.engine_names, merged, task)
+    observed = _choose("observation", observation, task.observation_names, merged, task)
+    added: dict[str, Any] = {}
+    for name, cls in task.additions.items():
         values = merged.pop(name, None)
         if values is not None:
             for key in values:
                 if key not in _field_names(cls):
                     raise unknown_key(key, _field_names(cls), f"option {name!r} of {task.name}")
-        options[name] = None if values is None else checked(cls, values, f"{name}.")
-    resolved = Scene(base, checked(task.params, merged, ""), options, base)
+        added[name] = None if values is None else checked(cls, values, f"{name}.")
+    options = {name: added[name] for name in task.options}
+    simulators = {name: added[name] for name in task.simulators}
+    resolved = Scene(base, checked(task.params, merged, ""), options, simulators, engine_name, observed, base)
     task.validate(resolved)
-    if scene is None or isinstance(scene, str):
+    _check_support(task, resolved)
+    if engine is None and observation is None and (scene is None or isinstance(scene, str)):
         return resolved
     return dataclasses.replace(resolved, label=_label(resolved, resolve(task, base)))
 

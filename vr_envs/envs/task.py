@@ -34,6 +34,11 @@ class Task:
     `start(state, params, *options)` (the key is already in `state.key`),
     `advance(state, action, params, *options)`, `outcome(state, action, params, *options) -> (reward, terminated)`,
     `observe(state, row, params, *options)`. A state has the fields `key` (u8) and `steps` (i8), kept by the caller.
+
+    `engines` are the ways of moving a state other than the exact one, name -> record of settings. One that is also
+    an option of the kernels is theirs; another stands in place of `advance`, in `vr_envs.<engine>.<task name>`, and
+    its record names in the class attribute `OPTIONS` the options that it knows. `sensors` are the options by which
+    the state is observed otherwise than as it is; they exclude each other.
     """
 
     name: str
@@ -52,3 +57,25 @@ class Task:
     metrics: Callable[[np.ndarray, Scene], Mapping[str, np.ndarray]]
     dt: Callable[[Scene], float]
     validate: Callable[[Scene], None] = _accept
+    engines: dict[str, type] = dataclasses.field(default_factory=dict)
+    sensors: tuple[str, ...] = ()
+
+    @property
+    def engine_names(self) -> tuple[str, ...]:
+        """Every engine, the exact one first."""
+        return ("exact", *self.engines)
+
+    @property
+    def observation_names(self) -> tuple[str, ...]:
+        """Every way of observing the state, as it is first."""
+        return ("state", *self.sensors)
+
+    @property
+    def simulators(self) -> dict[str, type]:
+        """The engines that are no option of the kernels."""
+        return {name: cls for name, cls in self.engines.items() if name not in self.options}
+
+    @property
+    def additions(self) -> dict[str, type]:
+        """Everything that a scene may add to the parameters: options and simulators."""
+        return {**self.options, **self.simulators}

@@ -7,13 +7,14 @@ import dataclasses
 import sys
 import threading
 from collections.abc import Mapping
+from importlib import import_module
 from typing import Any
 
 import numpy as np
 from gymnasium.spaces import Box
 
-from vr_envs.envs.rows import row_records, rows_of
-from vr_envs.envs.scene import resolve
+from vr_envs.envs.rows import admit, row_records, rows_of
+from vr_envs.envs.scene import Scene, resolve
 from vr_envs.envs.task import Channel, Task
 from vr_envs.models.record import dtype_of
 
@@ -29,15 +30,26 @@ def episode_key(generator: np.random.Generator) -> np.uint64:
     return generator.integers(np.iinfo(np.uint64).max, dtype=np.uint64, endpoint=True)
 
 
+def simulator_of(task_name: str, scene: Scene) -> Any:
+    """What moves states in `scene` in place of the kernels: `advance(state, action)`; None if the kernels do.
+
+    It is the `SIMULATOR` of the module that the engine's folder has for the task.
+    """
+    if scene.engine not in scene.simulators:
+        return None
+    return import_module(f"vr_envs.{scene.engine}.{task_name}").SIMULATOR(scene)
+
+
 class World:
     """`n` records of one task in one scene, and the kernels that move them."""
 
-    def __init__(self, task: Task, scene: str | Mapping[str, Any] | None, n: int) -> None:
-        """`n` zeroed records of `task` in `scene`."""
+    def __init__(self, task: Task, scene: str | Mapping[str, Any] | None, n: int, **choices: str | None) -> None:
+        """`n` zeroed records of `task` in `scene`; `choices` (engine, observation) as for `resolve`."""
         self.task = task
-        self.scene = resolve(task, scene)
+        self.scene = resolve(task, scene, **choices)
         self.params, self.options = self.scene.records()
-        self.rows = rows_of(task)
+        self.simulator = simulator_of(task.name, self.scene)
+        self.rows = rows_of(task, simulated=self.simulator is not None)
         self.states = np.zeros(n, dtype_of(task.state))
         self.observation_space = box(task.observation_channels(self.scene))
         self.action_space = box(task.action_channels(self.scene))
@@ -75,6 +87,9 @@ class World:
         rewards = np.zeros(n)
         terminated, truncated = np.zeros(n, np.bool_), np.zeros(n, np.bool_)
         acts, seen = row_records(actions), row_records(obs)
+        if self.simulator is not None and admit(acts) < 0:
+            for i in np.flatnonzero(live):
+                self.simulator.advance(self.states[i], actions[i])
         bad = self.rows.step(
             self.states, acts, live, limit, seen, rewards, terminated, truncated, self.params, self.options
         )

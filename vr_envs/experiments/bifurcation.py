@@ -76,12 +76,12 @@ def heights(impacts: np.ndarray, counts: np.ndarray, params: Params) -> np.ndarr
 
 
 def ramp(m: int, params: Params, rate: float) -> tuple[np.ndarray, np.ndarray]:
-    """One run from the middle of the band with an acceleration that grows by `rate` (m/s^3).
+    """One run from just above the lower bound with an acceleration that grows by `rate` (m/s^3).
 
     Returns:
         Peak acceleration (m/s^2) at the impact that begins each flight, and the flight's apex (m).
     """
-    begin = middle(m, params)
+    begin = 1.05 * lower_bound(m, params)
     motions, starts = period_one_launch(params, begin, m)
     phase = period_one_phase(begin, m, params)
     growth = Ramp(z_cos=rate * math.sin(phase), z_sin=rate * math.cos(phase))
@@ -187,9 +187,10 @@ def _settled(m: int, up: Sweep, tops_up: np.ndarray, down: Sweep, tops_down: np.
 def _late(alpha: float, m: int, params: Params, found: list[float]) -> Finding:
     """How late the ramps show the flip."""
     bound = upper_bound(m, params)
+    bell = "; Bell's ball split around 11.0 or 11.2 (a digit is lost)" if (alpha, m) == (0.75, 1) else ""
     return Finding(
         f"bounces of m = {m} split under a ramp of {RATES[0]:g} and {RATES[1]:g} m/s^3; restitution {alpha:g}",
-        f"after {bound:.3f} m/s^2, the later the faster",
+        f"after {bound:.3f} m/s^2, the later the faster{bell}",
         f"{found[0]:.3f} and {found[1]:.3f} m/s^2",
         bound < found[0] < found[1],
     )

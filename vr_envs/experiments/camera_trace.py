@@ -12,6 +12,8 @@ import numpy as np
 
 from vr_envs.experiments.trace import Trace
 
+BOUNCE = 0.03  # of a trace's range: less is noise
+
 
 @dataclasses.dataclass(frozen=True)
 class CameraTrace:
@@ -60,7 +62,7 @@ def fitted(seen: CameraTrace, omega: float) -> Bounces:
         ValueError: fewer than two whole flights of four samples or more between their lowest ones.
     """
     z, t = seen.ball, seen.ball_time
-    lowest = 1 + np.flatnonzero((z[1:-1] < z[:-2]) & (z[1:-1] <= z[2:]))
+    lowest = lowest_samples(z)
     # the impact is within one sample of the lowest; that one may belong to either flight
     flights = [(a + 1, b) for a, b in zip(lowest[:-1], lowest[1:], strict=True) if b - a > 4]
     if len(flights) < 2 or len(flights) != len(lowest) - 1:
@@ -79,6 +81,20 @@ def fitted(seen: CameraTrace, omega: float) -> Bounces:
         np.array([np.polyval(p, x - c) for p, x, c in zip(parabolas, meet, centres, strict=False)]),
         (omega * meet + bar_phase(seen, omega)) % (2.0 * np.pi),
     )
+
+
+def lowest_samples(z: np.ndarray) -> list[int]:
+    """Rows of the lowest samples between bounces: `z` falls to them and rises from them by `BOUNCE` of its range."""
+    least = BOUNCE * np.ptp(z)
+    rows, falling, turn = [], False, 0
+    for k, height in enumerate(z):
+        if (height < z[turn]) == falling:
+            turn = k  # further on in the same direction
+        elif abs(height - z[turn]) > least:
+            if falling:
+                rows.append(turn)
+            falling, turn = not falling, k
+    return rows
 
 
 def bar_phase(seen: CameraTrace, omega: float) -> float:

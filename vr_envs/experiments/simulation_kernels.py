@@ -10,6 +10,7 @@ from vr_envs.models.ball_on_bar import LOGGED, MAX_EVENTS, interval
 from vr_envs.models.ball_options import OPTIONS
 from vr_envs.models.drive import bar_at, base_cycle
 from vr_envs.models.jit import kernel
+from vr_envs.models.phasor import angular
 from vr_envs.models.surface import contact_at, gap_at
 
 # columns of the model's log of impacts
@@ -67,20 +68,11 @@ def _frame(s, begin, number, old, new, params, options):
 
 
 @kernel
-def _z_rate(params, frequencies):
-    """Angular frequency of z."""
-    if frequencies is None:
-        return 2.0 * params.omega
-    else:
-        return frequencies.z * params.omega
-
-
-@kernel
 def _store(impact, row, begin, number, old, new, params, options):
     """One row of the model's log as an `IMPACT`; the arguments are those of `_frame`."""
     frame = _frame(row[_TIME], begin, number, old, new, params, options)
     impact.cycle, impact.time = number, row[_TIME]
-    impact.phase = _turned(frame.z[0], frame.z[1], _z_rate(params, options[_FREQUENCIES]))
+    impact.phase = _turned(frame.z[0], frame.z[1], angular(params.omega, options[_FREQUENCIES])[2])
     impact.x, impact.z = row[_X], row[_Z]
     impact.normal_in, impact.tangent_in = row[_NORMAL_IN], row[_TANGENT_IN]
     impact.normal_out, impact.tangent_out = row[_NORMAL_OUT], row[_TANGENT_OUT]

@@ -150,4 +150,5 @@ def _draw(figure: Figure, columns: dict[str, np.ndarray]) -> None:
             shown = "found by simulation" if k == 0 and name == "lower_found" else None
             axes.plot(columns[name][rows], height, "|", color=FOUND, markersize=11, mew=1.5, label=shown)
     label(axes, "Stable period one (Fig 3.11)", "Γ = Aω² / (π g)", "m", legend=True)
+    axes.set_xlim(left=0.0)
     axes.set_yticks(list(MODES))

@@ -12,6 +12,7 @@ import dataclasses
 import math
 from typing import Any, NamedTuple
 
+from vr_envs.models.ball_sensors import ages_of, sense
 from vr_envs.models.bar import Piece, bounds, frame_at
 from vr_envs.models.chatter import settle
 from vr_envs.models.drive import base_cycle, demanded, phase_at, phasors_at
@@ -215,15 +216,8 @@ def _move(state, old, new, s, end, begin, number, laws, frequencies, ramp, log):
 
 
 @kernel
-def see(state):
-    """Keep what a sensor sees of the ball now."""
-    v = state.seen
-    v[0], v[1], v[2], v[3], v[4] = state.x, state.u, state.z, state.w, state.spin
-
-
-@kernel
 def interval(
-    state, new, params, scatter, spin, friction, softening, curve, frequencies, ramp, sensing, textbook,
+    state, new, params, scatter, spin, friction, softening, curve, frequencies, ramp, sensing, camera, textbook,
     log=None, until=None,
 ):  # fmt: skip
     """Move the ball by one control interval, or to the time `until` (s) in it, while the bar goes to the motion `new`.
@@ -240,14 +234,16 @@ def interval(
         end = begin + min(1.0, params.hold) * period
         if until is not None:
             end = min(end, begin + until - j * period)
-        before = begin
-        if sensing is not None:
-            if j == cycles - 1:
-                seen = end - sensing.delay
-                _move(state, old, new, begin, seen, begin, number + j, laws, frequencies, ramp, log)
-                see(state)
-                before = seen
-        _move(state, old, new, before, end, begin, number + j, laws, frequencies, ramp, log)
+        s = begin
+        if (sensing is not None or camera is not None) and j == cycles - 1:
+            earlier, last = ages_of(sensing, camera)
+            first, second = max(begin, end - earlier), max(begin, end - last)
+            _move(state, old, new, begin, first, begin, number + j, laws, frequencies, ramp, log)
+            x, z = state.x, state.z
+            _move(state, old, new, first, second, begin, number + j, laws, frequencies, ramp, log)
+            sense(state, state.steps + 1, x, z, sensing, camera)
+            s = second
+        _move(state, old, new, s, end, begin, number + j, laws, frequencies, ramp, log)
         old = new
     for k in range(6):
         m[k] = new[k]
@@ -255,7 +251,20 @@ def interval(
 
 @kernel
 def advance(
-    state, action, params, scatter, spin, friction, softening, curve, frequencies, ramp, sensing, textbook, log=None
+    state,
+    action,
+    params,
+    scatter,
+    spin,
+    friction,
+    softening,
+    curve,
+    frequencies,
+    ramp,
+    sensing,
+    camera,
+    textbook,
+    log=None,
 ):
     """Move the ball by one control interval while the bar goes to the motion that `action` asks for.
 
@@ -263,10 +272,11 @@ def advance(
         state: record of `State`, changed in place; a lost ball stays where it left the bar.
         action: six numbers in [-1, 1], see `demanded`.
         params: record of `Params`.
-        scatter, spin, friction, softening, curve, frequencies, ramp, sensing, textbook: records of `OPTIONS`, or None.
+        scatter, spin, friction, softening, curve, frequencies, ramp, sensing, camera, textbook: records of `OPTIONS`,
+            or None.
         log: None, or an array (capacity, len(LOGGED)) that receives each impact, number i in row i modulo capacity.
     """
     interval(
         state, demanded(action, params), params, scatter, spin, friction, softening, curve, frequencies, ramp, sensing,
-        textbook, log,
+        camera, textbook, log,
     )  # fmt: skip

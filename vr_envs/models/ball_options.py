@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 
+from vr_envs.models.camera import Camera
 from vr_envs.models.record import quantity
 
 
@@ -108,6 +109,7 @@ OPTIONS: dict[str, type] = {
     "frequencies": Frequencies,
     "ramp": Ramp,
     "sensing": Sensing,
+    "camera": Camera,
     "textbook": Textbook,
 }
 """All options, in the order in which kernels take their records."""

@@ -76,14 +76,15 @@ def _roll_step(piece, s, h, d, rate, rim, direction, gravity, spin, friction, cu
         f = forces_at(frame_at(piece, s + _C[i] * h), gravity)
         along[i], across[i], turn[i], turning[i] = f
         pulls[i] = _pull(f, d, rate, direction, spin, friction, curve)
+    rates, places = _stages(pulls, h, d, rate)
     for _ in range(MAX_PICARD):
         moved = 0.0
-        rates, places = _stages(pulls, h, d, rate)
         for i in range(_STAGES):
             forces = Forces(along[i], across[i], turn[i], turning[i])
             pull = _pull(forces, places[i], rates[i], direction, spin, friction, curve)
             moved = max(moved, abs(pull - pulls[i]) - 1e-16 * abs(pull))
             pulls[i] = pull
+        rates, places = _stages(pulls, h, d, rate)
         if moved <= 0.0:
             break
     if friction is not None and spin is not None:
@@ -219,7 +220,11 @@ def grip_or_slip(piece, s, end, d, rate, rim, gravity, half_length, sticks, spin
                     free = middle
                 else:
                     h, after = middle, trial
-            if direction != 0.0 and direction * slip_of(frame_at(piece, s + h), *after, spin, curve) <= 0.0:
+            frame = frame_at(piece, s + h)
+            if direction == 0.0:
+                need = grip_force(forces_at(frame, gravity), after[0], after[1], inertia_ratio, radius, sticks, curve)
+                direction = -math.copysign(1.0, need)
+            elif direction * slip_of(frame, *after, spin, curve) <= 0.0:
                 direction = 0.0
         s = end if h == end - s else s + h
         d, rate, rim = after

@@ -1,6 +1,6 @@
 """Pictures of a ball on a bar: bar and ball from the side, the bar's phasors, and where the ball has been.
 
-Between two states the ball's path is the model's own: the cycle is run again up to each instant shown.
+Between two states the ball's path is that of the scene's engine: the interval is run again up to each instant shown.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from vr_envs.envs.world import simulator_of
 from vr_envs.models.ball_on_bar import interval
 from vr_envs.models.bar import Frame
 from vr_envs.models.drive import bar_at, base_cycle
@@ -64,6 +65,7 @@ class BallOnBarPainter(Painter):
     def __init__(self, scene: Scene, render_mode: str) -> None:
         """See `Painter`."""
         super().__init__(scene, render_mode)
+        self._simulator = simulator_of("ball_on_bar", scene)
         p = scene.params
         x_scale = 0.5 * (WIDTH - 4 * MARGIN) / p.half_length
         bounce = p.gravity * p.period**2 / 32.0  # height of a flight of half a base cycle
@@ -104,7 +106,10 @@ class BallOnBarPainter(Painter):
         for k in range(1, parts + 1):
             s = self.interval * k / parts
             ball = before.copy()
-            interval(ball, new, self.params, *self.options.values(), None, s)
+            if self._simulator is None:
+                interval(ball, new, self.params, *self.options.values(), None, s)
+            else:
+                self._simulator.interval(ball, new, s)
             # the last time is exactly that of `after`
             yield self._moment((int(before["steps"]) + k / parts) * self.interval, s, ball, old, int(before["steps"]))
 
