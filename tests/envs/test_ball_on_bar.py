@@ -7,7 +7,7 @@ from gymnasium.error import ResetNeeded
 from scipy.stats import kstest
 
 import vr_envs  # noqa: F401
-from vr_envs.controllers.ball_on_bar import BellSink
+from vr_envs.controllers.bell_sink import parabolic_action
 from vr_envs.controllers.ladder import baseline_of, ladder
 from vr_envs.envs.ball_on_bar import TASK, BallOnBarBatchEnv, BallOnBarEnv
 from vr_envs.envs.ball_on_bar_observation import FALL_SCALE, HEIGHT_SCALE, SPEED_SCALE
@@ -17,8 +17,7 @@ from vr_envs.evaluation.scenarios import scenario_set
 from vr_envs.models.ball_on_bar import LOGGED
 
 ID = "vr_envs/BallOnBar-v0"
-SOURCE = BellSink(resolve(TASK), phase=-0.5 * math.pi).action
-SINK = BellSink(resolve(TASK)).action
+SOURCE, SINK = (parabolic_action(resolve(TASK), 4.0, 50.0, 8.0, sign * 0.5 * math.pi) for sign in (-1, 1))
 
 
 def impacts_of(env, action):

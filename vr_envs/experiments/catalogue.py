@@ -31,4 +31,17 @@ VERTICAL = (
     ),
 )
 
-EXPERIMENTS: dict[str, Experiment] = {e.name: e for e in (*VISION, *LENS, *VERTICAL)}
+HORIZONTAL = (
+    Experiment("growth", "Fig 4.1", "growth rate over the tilt's phase, no x-motion", "horizontal_figures:no_x_motion"),
+    Experiment("growth-surface", "Figs 4.2, 4.3", "growth rate over phase and tilt", "horizontal_figures:surface"),
+    Experiment(
+        "bar-motions", "Fig 4.4", "a motion that is a source and one that is a sink", "horizontal_figures:bar_motions"
+    ),
+    Experiment("growth-x", "Fig 4.5", "growth rate with a small x-motion", "horizontal_figures:small_x_motion"),
+    Experiment(
+        "growth-x-surface", "Fig 4.6", "growth rate over phase and tilt, small x-motion", "horizontal_figures:surface_x"
+    ),
+    Experiment("growth-x-sizes", "Fig 4.7", "growth rate for several x-motions", "horizontal_figures:x_motions"),
+)
+
+EXPERIMENTS: dict[str, Experiment] = {e.name: e for e in (*VISION, *LENS, *VERTICAL, *HORIZONTAL)}
