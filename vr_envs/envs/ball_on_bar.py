@@ -39,8 +39,8 @@ class Params(BarParams):
 class State(BallState):
     """The ball, the bar, and the sums from which the metrics follow."""
 
-    sum_x2: float = quantity(0.0, "m^2", "sum of x^2 over cycles")
-    max_x: float = quantity(0.0, "m", "largest |x| at the end of a cycle")
+    sum_x2: float = quantity(0.0, "m^2", "sum of x^2 over control intervals")
+    max_x: float = quantity(0.0, "m", "largest |x| at the end of an interval")
 
 
 @kernel
@@ -99,7 +99,7 @@ def _metrics(states: np.ndarray, scene: Scene) -> dict[str, np.ndarray]:
         "on_bar": on_bar,
         "rms_x_mm": 1e3 * rms,
         "max_x_mm": 1e3 * states["max_x"],
-        "impacts_per_cycle": states["impacts"] / steps,
+        "impacts_per_cycle": states["impacts"] / (steps * scene.params.hold),
         "fault": states["fault"] != 0,
     }
 

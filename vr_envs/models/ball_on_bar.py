@@ -88,10 +88,10 @@ class Params:
 
 @dataclasses.dataclass(frozen=True)
 class State:
-    """The ball at the start of a base cycle, and the bar's motion."""
+    """The ball at the start of a control interval, and the bar's motion."""
 
     key: int = quantity(0, "", "episode key", kind="key")
-    steps: int = quantity(0, "", "cycles since the start", low=0)
+    steps: int = quantity(0, "", "control intervals since the start", low=0)
     impacts: int = quantity(0, "", "impacts since the start; the counter of the scatter", low=0)
     resting: bool = quantity(False, "", "the ball lies on the bar")
     lost: bool = quantity(False, "", "the ball has left the bar")
