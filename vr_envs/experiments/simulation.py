@@ -22,7 +22,7 @@ import numpy as np
 
 from vr_envs.experiments.simulation_kernels import IMPACT, ROOM, SAMPLE, lowest_gap, run_intervals, run_scan
 from vr_envs.experiments.trace import Trace
-from vr_envs.models.ball_on_bar import LOGGED, MAX_EVENTS, Params, State
+from vr_envs.models.ball_on_bar import LOGGED, MAX_EVENTS, STEEPEST, Params, State
 from vr_envs.models.ball_options import OPTIONS
 from vr_envs.models.record import checked, dtype_of, pack
 
@@ -30,7 +30,7 @@ DEEPEST = -1e-9  # m, gap under a start: rounding of a start on the surface is l
 
 
 class SimulationError(RuntimeError):
-    """A cycle needed more than `MAX_EVENTS` events, or a search for a contact did not end."""
+    """A cycle needed more than `MAX_EVENTS` events, a search for a contact did not end, or the bar stands upright."""
 
 
 def bar_motion(
@@ -242,5 +242,6 @@ def _raise_fault(states: np.ndarray) -> None:
     if states["fault"].any():
         raise SimulationError(
             f"{np.count_nonzero(states['fault'])} of {len(states)} runs: a cycle needed more than {MAX_EVENTS} "
-            "events, or a search did not end; a restitution nearer to 1 or a larger blend makes shorter work"
+            "events, a search did not end, or the tilt exceeds "
+            f"{STEEPEST:g} rad; a restitution further from 1 or a smaller motion makes shorter work"
         )
