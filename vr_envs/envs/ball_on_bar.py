@@ -9,7 +9,8 @@ import numpy as np
 
 from vr_envs.envs.ball_on_bar_engines import ENGINES
 from vr_envs.envs.ball_on_bar_observation import observations, observe
-from vr_envs.envs.base import BatchEnv, ScalarEnv
+from vr_envs.envs.batch import BatchEnv
+from vr_envs.envs.scalar import ScalarEnv
 from vr_envs.envs.scene import Scene
 from vr_envs.envs.task import Channel, Task
 from vr_envs.models.ball_on_bar import Params as BarParams
