@@ -204,7 +204,7 @@ def _draw(figure: Figure, still: Diagrams, moving: Diagrams) -> None:
             row, (still, moving), ("quasi-static sweep", f"ramp of {RATES[0]:g} m/s³"), strict=True
         ):
             _diagram(part, alpha, diagrams)
-            label(part, f"restitution {alpha:g}: {title}", "peak acceleration [m/s²]", "height of bounce [mm]", True)
+            label(part, f"restitution {alpha:g}: {title}", "peak acceleration (m/s²)", "height of bounce (mm)", True)
 
 
 def _diagram(axes: Axes, alpha: float, diagrams: Diagrams) -> None:

@@ -121,7 +121,7 @@ def draw_trace(figure: Figure | SubFigure, seen: CameraTrace, bounces: Bounces, 
     above.plot(1e3 * seen.ball_time, 1e3 * seen.ball, color=BALL, marker=".", markersize=3, lw=0.6, label="ball")
     above.plot(1e3 * seen.bar_time, 1e3 * seen.bar, color=BAR, marker=".", markersize=3, lw=0.6, label="bar")
     above.set_xlim(0.0, 1e3 * end)
-    label(above, title, "", "height [mm]", legend=True)
+    label(above, title, "", "height (mm)", legend=True)
     below.plot(1e3 * seen.ball_time, 1e3 * seen.ball, ".", color=BALL, markersize=3, label="ball")
     below.plot(1e3 * seen.bar_time, 1e3 * seen.bar, color=BAR, lw=0.8, label="bar")
     for i, (first, last) in enumerate(bounces.spans):
@@ -132,7 +132,7 @@ def draw_trace(figure: Figure | SubFigure, seen: CameraTrace, bounces: Bounces, 
     top = bounces.centres - bounces.parabolas[:, 1] / (2.0 * bounces.parabolas[:, 0])
     below.plot(1e3 * top, 1e3 * bounces.maxima, "^", color=FOUND, markersize=4, label="maxima")
     below.plot(1e3 * bounces.impact_times, 1e3 * bounces.minima, "v", color=FOUND, markersize=4, label="minima")
-    label(below, heading or "maxima and minima calculated from the fits", "time [ms]", "height [mm]", legend=True)
+    label(below, heading or "maxima and minima calculated from the fits", "time (ms)", "height (mm)", legend=True)
 
 
 def near(found: float, expected: float, within: float) -> bool:

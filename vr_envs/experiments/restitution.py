@@ -130,5 +130,5 @@ def _draw(figure: Figure, shown: dict[float, tuple[CameraTrace, Bounces]], colum
             label=text,
         )
     below.axhline(RESTITUTION, color=FORMULA, lw=0.8)
-    label(above, "Drops of 10 mm on the bar at rest", "time [ms]", "height [mm]", legend=True)
-    label(below, "Restitution from the heights of successive bounces", "drop [mm]", "restitution", legend=True)
+    label(above, "Drops of 10 mm on the bar at rest", "time (ms)", "height (mm)", legend=True)
+    label(below, "Restitution from the heights of successive bounces", "drop (mm)", "restitution", legend=True)
