@@ -70,7 +70,10 @@ def period_three(progress: Progress) -> Outcome:
         parts: Any = figure.subfigures(2, 1, height_ratios=(3, 2))
         if shown is not None:
             draw_trace(
-                parts[0], *shown, "Period three: peak acceleration 11.11 m/s², z at 30 Hz, restitution 0.68 (Fig 3.5)"
+                parts[0],
+                *shown,
+                "Period three: peak acceleration 11.11 m/s², z at 30 Hz, restitution 0.68 (Fig 3.5)",
+                3.5,
             )
         for axes, (alpha, found) in zip(parts[1].subplots(1, 2, sharey=True), maps.items(), strict=True):
             _draw_basin(axes, alpha, found)
@@ -113,8 +116,8 @@ def _orbit(alpha: float, impacts: np.ndarray) -> list[Finding]:
         ),
         Finding(
             f"phases of period 3, restitution {alpha:g}",
-            f"{', '.join(f'{p:.4f}' for p in phases)} rad (orbit's equations), within 1e-9",
-            f"largest difference {error:.0e}",
+            f"{', '.join(f'{p:.4f}' for p in phases)} rad (orbit's equations), within 1e-9 rad",
+            f"largest difference {error:.0e} rad",
             error < 1e-9,
         ),
     ]
@@ -134,8 +137,8 @@ def _seen(bounces: Bounces, impacts: np.ndarray, gravity: float) -> Finding:
     exact = np.sort(impacts["phase"])
     return Finding(
         "phases from the camera's fits",
-        f"{', '.join(f'{p:.4f}' for p in exact)} rad, within 1e-6",
-        ", ".join(f"{p:.7f}" for p in found),
+        f"{', '.join(f'{p:.4f}' for p in exact)} rad, within 1e-6 rad",
+        f"{', '.join(f'{p:.7f}' for p in found)} rad",
         bool(np.abs(found - exact).max() < 1e-6),
     )
 
