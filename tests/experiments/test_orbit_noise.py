@@ -30,8 +30,8 @@ def test_the_maps_are_the_simulations_derivative(alpha, acceleration, guess, cou
     maps, by_alpha, out = impact_maps(phases, counts, acceleration, params)
     omega = z_omega(params)
 
-    def following(launch):
-        """Phase, from that of the orbit's next impact, and velocity of the impact after a launch from the bar."""
+    def following(launch, after):
+        """Phase, counted from `after`, and velocity of the impact after a launch from the bar."""
         phase, velocity, restitution = launch
         moved = vertical(20.0, restitution)
         bar = acceleration / omega * np.cos(phase)
@@ -41,7 +41,7 @@ def test_the_maps_are_the_simulations_derivative(alpha, acceleration, guess, cou
     for i, after in enumerate(np.roll(phases, -1)):
         launch = np.array([phases[i], out[i], alpha])
         steps = np.diag(1e-5 * launch)
-        slopes = [(following(launch + d) - following(launch - d)) / (2.0 * d.max()) for d in steps]
+        slopes = [(following(launch + d, after) - following(launch - d, after)) / (2.0 * d.max()) for d in steps]
         expected = np.column_stack([maps[i], by_alpha[i]])
         np.testing.assert_allclose(np.column_stack(slopes), expected, rtol=1e-6, atol=1e-7)
 

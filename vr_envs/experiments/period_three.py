@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vr_envs.experiments.attractors import Ends, ends_of_starts, grid_of_starts
-from vr_envs.experiments.bounce import orbit_phases, vertical, z_omega
+from vr_envs.experiments.bounce import orbit_apexes, orbit_phases, vertical, z_omega
 from vr_envs.experiments.camera_trace import Bounces, CameraTrace
 from vr_envs.experiments.experiment import Finding, Outcome, Progress
 from vr_envs.experiments.look import label, paint
@@ -22,7 +22,7 @@ SETTING = Setting(30.0, 11.11, 1, 2000.0, 3)
 STARTS = 48  # per axis of the plane of phase and speed
 HIGHEST = 3.0  # W, start speed relative to the bar over pi g / omega
 SKIP, KEEP = 400, 60  # base cycles, impacts
-APEXES = {0.68: (0.77, 1.69, 2.29), 0.80: (0.37, 1.53, 2.91)}  # mm, lowest first
+RESTITUTIONS = (0.68, 0.80)
 
 ORBITS = {
     "locking": RED,
@@ -40,7 +40,7 @@ def period_three(progress: Progress) -> Outcome:
     maps: dict[float, Ends] = {}
     tables: dict[str, dict[str, np.ndarray]] = {}
     shown: tuple[CameraTrace, Bounces] | None = None
-    for alpha in progress(list(APEXES), desc="starts"):
+    for alpha in progress(RESTITUTIONS, desc="starts"):
         params = vertical(SETTING.frequency, alpha)
         motions, states, tau, speed = grid_of_starts(params, SETTING.acceleration, STARTS, HIGHEST)
         found, kept, finals = ends_of_starts(params, motions, states, SKIP, KEEP)
@@ -106,13 +106,14 @@ def _orbit(alpha: float, impacts: np.ndarray) -> list[Finding]:
     apexes = np.sort(1e3 * (impacts["z"] + impacts["w_out"] ** 2 / (2.0 * params.gravity)))
     counts = _counts(impacts, params.gravity, z_omega(params))
     phases = orbit_phases(impacts["phase"], counts, SETTING.acceleration, params)
+    expected = np.sort(1e3 * orbit_apexes(phases, counts, SETTING.acceleration, params))
     error = float(np.abs(phases - impacts["phase"]).max())
     return [
         Finding(
             f"apexes of period 3, restitution {alpha:g}",
-            f"{', '.join(f'{a:.2f}' for a in APEXES[alpha])} mm, within 0.01",
+            f"{', '.join(f'{a:.4f}' for a in expected)} mm (orbit's equations), within 1e-6 mm",
             f"{', '.join(f'{a:.4f}' for a in apexes)} mm",
-            bool(np.abs(apexes - APEXES[alpha]).max() < 0.01),
+            bool(np.abs(apexes - expected).max() < 1e-6),
         ),
         Finding(
             f"phases of period 3, restitution {alpha:g}",
@@ -164,4 +165,4 @@ def _draw_basin(axes, alpha: float, found: Ends) -> None:  # type: ignore[no-unt
         vmax=len(names) - 0.5,
         interpolation="nearest",
     )
-    label(axes, f"where starts end, restitution {alpha:g}", "tau: phase at the start / 2π", "W: speed / (π g / ω)")
+    label(axes, f"where starts end, restitution {alpha:g}", "τ: phase at the start / 2π", "W: speed / (π g / ω)")

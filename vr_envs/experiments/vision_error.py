@@ -10,7 +10,7 @@ import numpy as np
 
 from vr_envs.experiments.calibration import projected
 from vr_envs.experiments.experiment import Finding, Outcome, Progress
-from vr_envs.experiments.look import BALL, BAR, FOUND, label
+from vr_envs.experiments.look import BALL, BAR, FAINT, FOUND, label, plain_log
 from vr_envs.experiments.vision_rig import Rig, bar_poses, centroid_error, locate, marker_error, predicted_error, target
 from vr_envs.models.camera import Camera, outline
 
@@ -23,6 +23,7 @@ PLACES = 2000  # per ball
 BALLS = 8  # of radii over one pixel: the lattice error of a disc depends on it
 CALIBRATIONS = 40  # per noise
 WITHIN = 0.04  # part by which found and expected error may differ
+RESOLUTION_TICKS = (0.125, 0.25, 0.5, 1.0)  # mm/pixel
 TRUSTED = 20.0  # grey levels of noise up to which the theory of single edge pixels holds
 
 
@@ -191,21 +192,28 @@ def _draw(figure: Figure, tables: dict[str, dict[str, np.ndarray]]) -> None:
     """Error over noise and over resolution per axis, calibration, bias."""
     figure.set_size_inches(11.0, 7.5)
     axes = figure.subplots(2, 2)
-    found = "found (points), theory (lines)"
     noise, size = "noise (grey level)", "resolution (mm/pixel)"
-    for place, table, key in ((axes[0, 0], "noise", noise), (axes[0, 1], "resolution", size)):
+    for place, table, key, what in (
+        (axes[0, 0], "noise", noise, "error over image noise"),
+        (axes[0, 1], "resolution", size, "error over size of a pixel"),
+    ):
         for name, colour in zip("xyz", (BALL, FOUND, BAR), strict=True):
             rows = tables[table]
             place.plot(rows[key], rows[f"{name} expected (µm)"], color=colour, linewidth=1.0)
             place.plot(rows[key], rows[f"{name} rms error (µm)"], "o", color=colour, label=name)
             if table == "resolution":
                 axes[1, 1].plot(rows[key], rows[f"{name} bias (µm)"], "o-", color=colour, label=name)
-        label(place, found, key, "rms error (µm)", legend=True)
-    axes[0, 1].set(xscale="log", yscale="log")
-    axes[1, 1].set(xscale="log")
-    label(axes[1, 1], "bias", size, "mean error (µm)", legend=True)
+        label(place, f"{what}: found (points), theory (lines)", key, "rms error (µm)", legend=True)
+    axes[0, 0].axvline(TRUSTED, color=FAINT, linewidth=0.8, linestyle="--")
+    axes[0, 0].text(TRUSTED + 0.5, 1.0, "the theory holds to the left", fontsize=8, color=FAINT)
+    axes[0, 0].set_ylim(bottom=0.0)
+    plain_log(axes[0, 1], "x", RESOLUTION_TICKS)
+    plain_log(axes[0, 1], "y", (5.0, 10.0, 20.0, 50.0, 100.0))
+    plain_log(axes[1, 1], "x", RESOLUTION_TICKS)
+    label(axes[1, 1], "bias over size of a pixel", size, "mean error (µm)", legend=True)
     rows = tables["calibration"]
     for view, colour in (("direct", BALL), ("reflected", FOUND)):
         axes[1, 0].plot(rows[noise], rows[f"{view} view, expected (pixel)"], color=colour, linewidth=1.0)
-        axes[1, 0].plot(rows[noise], rows[f"{view} view, found (pixel)"], "o", color=colour, label=view)
-    label(axes[1, 0], found, noise, "error of the calibrated camera (pixel)", legend=True)
+        axes[1, 0].plot(rows[noise], rows[f"{view} view, found (pixel)"], "o", color=colour, label=f"{view} view")
+    axes[1, 0].set_ylim(bottom=0.0)
+    label(axes[1, 0], "calibration: found (points), theory (lines)", noise, "error of the camera (pixel)", legend=True)
