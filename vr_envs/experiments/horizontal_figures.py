@@ -1,10 +1,10 @@
-"""Figures 4.1 to 4.7: where the moving bar draws the ball to its centre and where it drives it away."""
+"""Figures 4.1 to 4.3 and 4.5 to 4.7: where the moving bar draws the ball to its centre and where it drives it away."""
 
 from __future__ import annotations
 
 import dataclasses
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,19 +19,18 @@ from vr_envs.experiments.horizontal import (
     ContactLaw,
     growth_rates,
     harmonics,
-    parabolic,
 )
-from vr_envs.experiments.look import BALL, BAR, FAINT, FORMULA, FOUND, label
+from vr_envs.experiments.look import BALL, BAR, FAINT, FORMULA, FOUND, label, shared_legend
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-PHASES = np.linspace(-math.pi, math.pi, 40, endpoint=False)
+PHASES = np.linspace(-math.pi, math.pi, 72, endpoint=False)
 TILTS = np.linspace(20.0, 240.0, 12)  # rad/s^2
 COLOURS = dict(zip(LAWS, (FAINT, BALL, BAR, FOUND), strict=True))
-KINDS = {"-pi/2": "source", "+pi/2": "sink"}
-PHASE_LABEL, GAMMA_LABEL, TILT_LABEL = "φ, rad", "γ / ω", "tilt acceleration, rad/s²"
+PHASE_LABEL, GAMMA_LABEL, TILT_LABEL = "φ (rad)", "γ / ω", "tilt acceleration (rad/s²)"
+PHASE_TICKS = ["-π", "-π/2", "0", "π/2", "π"]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -75,16 +74,24 @@ def _never_negative(curves: Curves, laws: tuple[ContactLaw, ...], x: float) -> l
     ]
 
 
-def _plot(axes: Axes, curves: Curves, x: float, title: str) -> None:
-    for law in curves.laws:
-        axes.plot(PHASES, curves.of(law, x), color=COLOURS[law], label=law.name)
-    _phase_axis(axes)
-    label(axes, title, PHASE_LABEL, GAMMA_LABEL, legend=True)
+def _plot(figure: Figure, curves: Curves, x: float, title: str) -> None:
+    """Bell's curve by the law that gives it, and beside it those of all laws."""
+    figure.set_size_inches(11.0, 5.0)
+    alone, together = figure.subplots(1, 2)
+    for axes, laws in ((alone, (PARTIAL,)), (together, curves.laws)):
+        for law in laws:
+            _curve(axes, curves.of(law, x), color=COLOURS[law], label=law.name)
+    label(alone, f"{PARTIAL.name}: the law that comes nearest to Bell", PHASE_LABEL, GAMMA_LABEL)
+    label(together, "all contact laws", PHASE_LABEL, GAMMA_LABEL)
+    shared_legend(figure, *together.get_legend_handles_labels())
+    figure.suptitle(title)
 
 
-def _phase_axis(axes: Axes) -> None:
+def _curve(axes: Axes, rates: np.ndarray, **style: Any) -> None:
+    """gamma over one whole turn of phi."""
+    axes.plot(np.append(PHASES, math.pi), np.append(rates, rates[0]), **style)
     axes.axhline(0.0, color=FORMULA, linewidth=0.6)
-    axes.set_xticks(np.linspace(-math.pi, math.pi, 5), ["-π", "-π/2", "0", "π/2", "π"])
+    axes.set_xticks(np.linspace(-math.pi, math.pi, 5), PHASE_TICKS)
 
 
 def no_x_motion(progress: Progress) -> Outcome:
@@ -112,7 +119,7 @@ def no_x_motion(progress: Progress) -> Outcome:
     )
 
     def draw(figure: Figure) -> None:
-        _plot(figure.subplots(), curves, 0.0, f"No x-motion, z 8 m/s², tilt {TILT_ACCELERATION:g} rad/s² (Fig 4.1)")
+        _plot(figure, curves, 0.0, f"no x-motion, z 8 m/s², tilt {TILT_ACCELERATION:g} rad/s² (Fig 4.1)")
 
     return Outcome(tuple(findings), {"growth": curves.columns()}, draw)
 
@@ -124,7 +131,7 @@ def small_x_motion(progress: Progress) -> Outcome:
     findings = [
         _range(
             f"{PARTIAL.name}: gamma at Acc_x = 1 m/s^2",
-            "below zero at some phases; largest 0.02 to 0.025 (ticks of Bell's axis)",
+            "below zero at some phases; largest 0.02 to 0.025 (Bell's axis, for which the tilt was chosen)",
             partial,
             bool(partial.min() < 0.0 and 0.02 < partial.max() < 0.025),
         ),
@@ -132,7 +139,7 @@ def small_x_motion(progress: Progress) -> Outcome:
     ]
 
     def draw(figure: Figure) -> None:
-        _plot(figure.subplots(), curves, 1.0, f"Acc_x = 1 m/s², z 8 m/s², tilt {TILT_ACCELERATION:g} rad/s² (Fig 4.5)")
+        _plot(figure, curves, 1.0, f"Acc_x = 1 m/s², z 8 m/s², tilt {TILT_ACCELERATION:g} rad/s² (Fig 4.5)")
 
     return Outcome(tuple(findings), {"growth": curves.columns()}, draw)
 
@@ -171,12 +178,15 @@ def x_motions(progress: Progress) -> Outcome:
     ]
 
     def draw(figure: Figure) -> None:
-        figure.set_size_inches(10.0, 7.0)
-        for axes, law in zip(figure.subplots(2, 2, sharex=True, sharey=True).flat, LAWS, strict=True):
+        figure.set_size_inches(10.0, 7.5)
+        panels = figure.subplots(2, 2, sharex=True, sharey=True)
+        for axes, law in zip(panels.flat, LAWS, strict=True):
             for a, style in zip(x, (":", "-.", "--", "-"), strict=True):
-                axes.plot(PHASES, curves.of(law, a), style, color=COLOURS[law], label=f"Acc_x = {a:g} m/s²")
-            _phase_axis(axes)
-            label(axes, law.name, PHASE_LABEL, GAMMA_LABEL, legend=True)
+                _curve(axes, curves.of(law, a), linestyle=style, color=COLOURS[law], label=f"Acc_x = {a:g} m/s²")
+            below, left = law in LAWS[2:], law in LAWS[::2]
+            label(axes, law.name, PHASE_LABEL if below else "", GAMMA_LABEL if left else "")
+        handles, names = panels[0, 0].get_legend_handles_labels()
+        shared_legend(figure, handles, names)
         figure.suptitle(f"z 8 m/s², tilt {TILT_ACCELERATION:g} rad/s² (Fig 4.7)")
 
     return Outcome(tuple(findings), {"growth": curves.columns()}, draw)
@@ -191,12 +201,20 @@ def _surfaces(progress: Progress, x: float, title: str) -> tuple[dict[ContactLaw
     }
 
     def draw(figure: Figure) -> None:
-        figure.set_size_inches(10.0, 9.0)
+        figure.set_size_inches(14.0, 7.5)
+        grid = figure.add_gridspec(2, len(surfaces), height_ratios=(1.3, 1.0))
         for k, (law, rates) in enumerate(surfaces.items()):
-            axes = figure.add_subplot(2, 2, k + 1, projection="3d")
-            axes.plot_surface(*np.meshgrid(PHASES, TILTS), rates, cmap="coolwarm", linewidth=0.2)  # type: ignore[attr-defined]
-            axes.set_zlabel(GAMMA_LABEL)  # type: ignore[attr-defined]
-            label(axes, law.name, PHASE_LABEL, TILT_LABEL)
+            above: Any = figure.add_subplot(grid[0, k], projection="3d")
+            closed = np.append(rates, rates[:, :1], axis=1)
+            above.plot_surface(*np.meshgrid(np.append(PHASES, math.pi), TILTS), closed, cmap="coolwarm", linewidth=0.2)
+            above.set_xticks(np.linspace(-math.pi, math.pi, 5), PHASE_TICKS)
+            above.set_yticks([50.0, 150.0, 250.0])
+            above.tick_params(labelsize=8, pad=0)
+            label(above, law.name, PHASE_LABEL, "tilt (rad/s²)")
+            side = figure.add_subplot(grid[1, k])
+            side.plot(TILTS, rates, color=COLOURS[law], linewidth=0.5)
+            side.axhline(0.0, color=FORMULA, linewidth=0.6)
+            label(side, "seen from the side: a line for each φ", TILT_LABEL, GAMMA_LABEL if k == 0 else "")
         figure.suptitle(title)
 
     return surfaces, Outcome((), {"growth": columns}, draw)
@@ -210,7 +228,7 @@ def _power(rates: np.ndarray) -> float:
 
 def surface(progress: Progress) -> Outcome:
     """Figures 4.2 and 4.3: gamma over phase and tilt acceleration, without x-motion."""
-    surfaces, outcome = _surfaces(progress, 0.0, "No x-motion, z 8 m/s² (Figs 4.2, 4.3)")
+    surfaces, outcome = _surfaces(progress, 0.0, "γ / ω with no x-motion, z 8 m/s² (Figs 4.2, 4.3)")
     findings = [
         _range(f"{law.name}: gamma at tilts of 20 to 240 rad/s^2", "never below zero", r, bool(r.min() > 0.0))
         for law, r in surfaces.items()
@@ -231,7 +249,7 @@ def surface(progress: Progress) -> Outcome:
 
 def surface_x(progress: Progress) -> Outcome:
     """Figure 4.6: the same at an x acceleration of 1 m/s^2."""
-    surfaces, outcome = _surfaces(progress, 1.0, "Acc_x = 1 m/s², z 8 m/s² (Fig 4.6)")
+    surfaces, outcome = _surfaces(progress, 1.0, "γ / ω at Acc_x = 1 m/s², z 8 m/s² (Fig 4.6)")
     partial = surfaces[PARTIAL].min(axis=1)
     findings = [
         Finding(
@@ -249,40 +267,3 @@ def surface_x(progress: Progress) -> Outcome:
         ),
     ]
     return dataclasses.replace(outcome, findings=tuple(findings))
-
-
-def bar_motions(progress: Progress) -> Outcome:
-    """Figure 4.4: the motions with phi = -pi/2, a source, and phi = +pi/2, a sink."""
-    cycle_map = PARTIAL.cycle_map()
-    x, rates, columns = 4.0, {}, {}
-    turn = np.linspace(0.0, 2.0 * math.pi, 49)
-    for name, phase in progress([("-pi/2", -0.5 * math.pi), ("+pi/2", 0.5 * math.pi)], desc="motions"):
-        motion = parabolic(cycle_map, x, TILT_ACCELERATION, phase)
-        rates[name] = cycle_map.orbit(motion).growth
-        parts = motion.reshape(3, 2)
-        path = [c * np.cos(k * turn) + s * np.sin(k * turn) for (c, s), k in zip(parts, (1, 1, 2), strict=True)]
-        columns[name] = dict(zip(("x_m", "tilt_rad", "z_m"), path, strict=True))
-    findings = (
-        Finding(
-            "phi = -pi/2, tilt counted about +y (positive lowers the right end): gamma",
-            "a source: above zero",
-            f"{rates['-pi/2']:+.5f}",
-            rates["-pi/2"] > 0.0,
-        ),
-        Finding("phi = +pi/2: gamma", "a sink: below zero", f"{rates['+pi/2']:+.5f}", rates["+pi/2"] < 0.0),
-    )
-
-    def draw(figure: Figure) -> None:
-        figure.set_size_inches(10.0, 4.0)
-        for axes, (name, path) in zip(figure.subplots(1, 2, sharex=True, sharey=True), columns.items(), strict=True):
-            axes.plot(1e3 * path["x_m"], 1e3 * path["z_m"], color=BALL)
-            for k in range(0, 25, 4):
-                centre, tilt = np.array([path["x_m"][k], path["z_m"][k]]), 10.0 * path["tilt_rad"][k]
-                along = 1e-4 * np.array([math.cos(tilt), -math.sin(tilt)])
-                ends = 1e3 * np.array([centre - along, centre + along])
-                axes.plot(*ends.T, color=BAR)
-            axes.set_aspect("equal")
-            label(axes, f"φ = {name.replace('pi', 'π')}: {KINDS[name]}, γ/ω = {rates[name]:+.4f}", "x, mm", "z, mm")
-        figure.suptitle(f"Acc_x = {x:g} m/s², path of the centre and the bar's tilt, ten times enlarged (Fig 4.4)")
-
-    return Outcome(findings, {KINDS[name]: {"omega_t_rad": turn, **c} for name, c in columns.items()}, draw)
