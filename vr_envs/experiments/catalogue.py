@@ -31,4 +31,6 @@ VERTICAL = (
     ),
 )
 
-EXPERIMENTS: dict[str, Experiment] = {e.name: e for e in (*VISION, *LENS, *VERTICAL)}
+SEARCH = (Experiment("grazing", "Section III.C", "first contacts of a million grazing launches", "grazing:grazing"),)
+
+EXPERIMENTS: dict[str, Experiment] = {e.name: e for e in (*VISION, *LENS, *VERTICAL, *SEARCH)}
