@@ -37,7 +37,7 @@ def _gap(order, t, cos, sin, v, gravity, w):
 
 @kernel
 def _bisect(order, low, high, rising, launch):
-    """Where the gap, or its rate, changes sign between `low` and `high`, upwards if `rising`, to neighbouring numbers."""
+    """Where the gap, or its rate, changes sign between two times, upwards if `rising`, to neighbouring numbers."""
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
         if middle <= low or middle >= high:

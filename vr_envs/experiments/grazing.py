@@ -39,7 +39,7 @@ SAMPLES = (8, 16, 32, 64)  # per period of z
 SEARCHES = ("exact", *(f"textbook {n}" for n in SAMPLES))
 BAR_AND_BALL = Params()
 BINS = 20
-ROUNDING = 64.0  # machine epsilons of the terms' sizes
+ROUNDING = 16.0  # machine epsilons of the terms' sizes
 
 
 @dataclasses.dataclass(frozen=True)
