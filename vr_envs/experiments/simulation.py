@@ -36,14 +36,16 @@ class SimulationError(RuntimeError):
 def bar_motion(
     params: Params,
     *,
-    x: float = 0.0,
-    x_phase: float = math.pi / 2.0,
-    tilt: float = 0.0,
-    tilt_phase: float = 0.0,
-    z: float = 0.0,
-    z_phase: float = math.pi / 2.0,
+    x: float | np.ndarray = 0.0,
+    x_phase: float | np.ndarray = math.pi / 2.0,
+    tilt: float | np.ndarray = 0.0,
+    tilt_phase: float | np.ndarray = 0.0,
+    z: float | np.ndarray = 0.0,
+    z_phase: float | np.ndarray = math.pi / 2.0,
 ) -> np.ndarray:
     """The six phasors of x = A sin(omega t + x_phase), tilt alike, z = A sin(2 omega t + z_phase).
+
+    Arrays of one shape (n,) give n motions.
 
     Args:
         params: gives omega.
@@ -55,11 +57,12 @@ def bar_motion(
         z_phase: rad; the default is Bell's.
 
     Returns:
-        (6,) x_cos, x_sin, tilt_cos, tilt_sin, z_cos, z_sin in m, rad, m.
+        (6,) or (n, 6): x_cos, x_sin, tilt_cos, tilt_sin, z_cos, z_sin in m, rad, m.
     """
     w = params.omega
     parts = [(x / w**2, x_phase), (tilt / w**2, tilt_phase), (z / (2.0 * w) ** 2, z_phase)]
-    motion = np.array([part for size, phase in parts for part in (size * math.sin(phase), size * math.cos(phase))])
+    columns = [part for size, phase in parts for part in (size * np.sin(phase), size * np.cos(phase))]
+    motion = np.stack(np.broadcast_arrays(*columns), axis=-1)
     if not np.isfinite(motion).all():
         raise ValueError(
             f"x, tilt, z and their phases are {x, x_phase, tilt, tilt_phase, z, z_phase}; give finite ones"
