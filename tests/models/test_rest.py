@@ -94,14 +94,14 @@ def follow(scene, action, x, height, u):
     raise AssertionError("the ball has not come to rest")
 
 
-def drop(scene, action, x, height, u):
+def drop(scene, action, x, height, u, w=0.0):
     """The same ball in the model; the state at the end of the first cycle in which the bar has this motion."""
     params, options = resolve(TASK, scene).records()
     state = np.zeros(1, dtype_of(TASK.state))
     motion = demanded(action, params)
     state["motion"] = motion
     surface = motion[4] - (x - motion[0]) * math.tan(motion[2])
-    state["x"], state["z"], state["u"] = x, surface + height, u
+    state["x"], state["z"], state["u"], state["w"] = x, surface + height, u, w
     advance(state[0], action, params, *options)
     return params, options, state[0], motion
 
@@ -168,6 +168,16 @@ def test_a_bounce_is_no_chatter_because_the_force_is_at_its_extreme():
     assert log[0, 0] == 0.0
     assert state["impacts"][0] > 3
     assert 5e-3 < log[1, 0] < 7e-3
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("speed", [0.0, 5e-13])
+def test_a_ball_that_loses_nothing_rests_if_it_is_laid_down(law, speed):
+    params, options, state, _ = drop(
+        {**LAWS[law], "restitution": 1.0, "z_acceleration": 0.0}, np.zeros(6), 0.01, 0.0, 0.0, -speed
+    )
+    assert state["resting"] == 1 and state["impacts"] == 1
+    assert (state["d"], state["rate"]) == (0.01, 0.0)
 
 
 @pytest.mark.parametrize("curvature", [None, 13.3, -20.0])

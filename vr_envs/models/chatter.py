@@ -48,7 +48,9 @@ def settle(
     force = normal_force(forces, d, rate, curve)
     alpha = mean_restitution(params.restitution, scatter)
     lost = 1.0 - alpha
-    if force <= 0.0 or 1.8 * opening > (end - s) * force * lost:  # most impacts: the chatter would not end in time
+    if force <= 0.0:
+        return s
+    if normal > STILL and 1.8 * opening > (end - s) * force * lost:  # most impacts: the chatter would not end in time
         return s
     _, jerk = flight_support(frame, params.gravity, d, tangent, curve)
     inertia_ratio, radius = inertia_of(spin)
@@ -86,7 +88,7 @@ def settle(
         # flights of 2 W alpha^k / M, and (1 - c) of the velocity kept at each of infinitely many impacts
         first = 2.0 * opening / force
         kept = alpha * (1.0 - params.tangential_loss)
-        drift = rate / (1.0 - kept) + pull * first / (1.0 - alpha * alpha) * (0.5 + kept / (1.0 - kept))
+        drift = rate / (1.0 - kept) + pull * wait / (1.0 + alpha) * (0.5 + kept / (1.0 - kept))
         state.d, state.rate = d + drift * first, 0.0
     else:
         state.d, state.rate = d + (rate + 0.5 * pull * wait) * wait, rate + pull * wait
