@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from vr_envs.models.bar import frame_at
+from vr_envs.models.impact import collide
 from vr_envs.models.jit import kernel
 from vr_envs.models.rolling import STILL, inertia_of
 from vr_envs.models.support import flight_support, forces_at, gripping, normal_force, pull_bound, support_curvature
@@ -73,18 +74,34 @@ def settle(
             if softening.exponent * normal > _EVEN * lost * softening.speed:
                 return s
         if friction is not None:
-            if wait * (abs(tangent) + abs(state.spin)) > _BLUR:
+            if scatter is None and wait * (abs(tangent) + abs(state.spin)) > _BLUR:
                 return s
         # accumulation time, with the first correction for a changing effective gravity
         wait *= 1.0 - 2.0 / 3.0 * jerk * opening / (lost * force * force)
         if s + wait >= end:
             return s
     state.resting = True
-    # between impacts the ball is pulled along the bar as a free, or in the mean a rolling, one
-    pull = gripping(forces_at(frame_at(piece, s + 0.5 * wait), params.gravity), d, rate, inertia_ratio, radius, curve)
+    middle = forces_at(frame_at(piece, s + 0.5 * wait), params.gravity)
     if friction is not None:
-        state.d, state.rate = d + rate * wait, rate
-    elif spin is None and params.tangential_loss > 0.0:
+        after = rate
+        if scatter is not None:
+            # roughness keeps a ball that moves along the bar bouncing: what is left acts as one impact of its impulse
+            sigma, surface_spin = steepness(d, curve), 0.0
+            if spin is not None:
+                surface_spin = state.spin - radius * frame.tilt[1]
+            impulse = force * wait / sigma - normal
+            pulled = tangent + sigma * gripping(middle, d, rate, 0.0, 0.0, curve) * wait
+            _, tangent, surface_spin = collide(
+                -impulse / (1.0 + alpha), pulled, surface_spin, alpha, params.tangential_loss, spin, friction
+            )
+            if spin is not None:
+                state.spin = surface_spin + radius * frame.tilt[1]
+            after = tangent / sigma
+        state.d, state.rate = d + 0.5 * (rate + after) * wait, after
+        return s + wait
+    # between impacts the ball is pulled along the bar as a free, or in the mean a rolling, one
+    pull = gripping(middle, d, rate, inertia_ratio, radius, curve)
+    if spin is None and params.tangential_loss > 0.0:
         # flights of 2 W alpha^k / M, and (1 - c) of the velocity kept at each of infinitely many impacts
         first = 2.0 * opening / force
         kept = alpha * (1.0 - params.tangential_loss)
