@@ -45,6 +45,7 @@ class Trace:
     final: np.void
 
     def __repr__(self) -> str:
+        """How much it holds, in one line."""
         told = ", lost" if self.lost else ""
         return f"Trace({len(self.impacts)} impacts, {len(self.samples)} samples{told})"
 
