@@ -144,6 +144,17 @@ def test_a_chatter_ends_where_and_when_its_impacts_do(law):
         assert state["rate"] == pytest.approx(speed, abs=1e-10)
 
 
+def test_a_chatter_is_not_summed_while_the_lost_velocity_changes_the_force():
+    """A fast ball on a turning bar feels a Coriolis force of 3 % of its weight, which goes as its impacts slow it."""
+    scene = {**LAWS["loss"], "tangential_loss": 0.05, "z_acceleration": 4.0}
+    action = np.array([0.2, -0.1, 0.0, 0.9, -0.2, 0.3])
+    start = {"x": 0.004, "height": 2e-5, "u": 1.0}
+    _, place, _, _ = follow(scene, action, **start)
+    _, _, state, _ = drop(scene, action, **start)
+    assert state["resting"] == 1
+    assert state["d"] == pytest.approx(place, abs=1e-12)
+
+
 def test_a_bounce_is_no_chatter_because_the_force_is_at_its_extreme():
     """At the bar's lowest point the force has no slope; a ball that leaves with 0.05 m/s flies milliseconds."""
     scene = {**LAWS["loss"], "restitution": 0.75, "z_acceleration": 8.0}

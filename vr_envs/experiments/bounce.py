@@ -148,7 +148,7 @@ def launches(
         speeds: of the ball relative to the bar, m/s.
     """
     rows = np.broadcast_arrays(*(np.atleast_1d(np.asarray(a, float)) for a in (accelerations, phases, speeds)))
-    motions = np.array([bar_motion(params, z=a, z_phase=p) for a, p in zip(rows[0], rows[1], strict=True)])
+    motions = bar_motion(params, z=rows[0], z_phase=rows[1])
     states = np.repeat(ball(motions[0]), len(motions))
     states["motion"] = motions
     states["z"] = motions[:, 4]

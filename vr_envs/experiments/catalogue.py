@@ -42,4 +42,6 @@ HORIZONTAL = (
     Experiment("growth-x-sizes", "Fig 4.7", "growth rate for several x-motions", "horizontal_figures:x_motions"),
 )
 
-EXPERIMENTS: dict[str, Experiment] = {e.name: e for e in (*VISION, *LENS, *VERTICAL, *HORIZONTAL)}
+SEARCH = (Experiment("grazing", "Section III.C", "first contacts of a million grazing launches", "grazing:grazing"),)
+
+EXPERIMENTS: dict[str, Experiment] = {e.name: e for e in (*VISION, *LENS, *VERTICAL, *SEARCH, *HORIZONTAL)}

@@ -34,7 +34,7 @@ import numpy as np
 
 from vr_envs.experiments.simulation_kernels import IMPACT, ROOM, SAMPLE, lowest_gap, run_intervals, run_scan
 from vr_envs.experiments.trace import Trace
-from vr_envs.models.ball_on_bar import LOGGED, MAX_EVENTS, Params, State
+from vr_envs.models.ball_on_bar import LOGGED, MAX_EVENTS, STEEPEST, Params, State
 from vr_envs.models.ball_options import OPTIONS
 from vr_envs.models.record import checked, dtype_of, pack
 
@@ -42,20 +42,22 @@ DEEPEST = -1e-9  # m, gap under a start: rounding of a start on the surface is l
 
 
 class SimulationError(RuntimeError):
-    """A cycle needed more than `MAX_EVENTS` events, or a search for a contact did not end."""
+    """A cycle needed more than `MAX_EVENTS` events, a search for a contact did not end, or the bar stands upright."""
 
 
 def bar_motion(
     params: Params,
     *,
-    x: float = 0.0,
-    x_phase: float = math.pi / 2.0,
-    tilt: float = 0.0,
-    tilt_phase: float = 0.0,
-    z: float = 0.0,
-    z_phase: float = math.pi / 2.0,
+    x: float | np.ndarray = 0.0,
+    x_phase: float | np.ndarray = math.pi / 2.0,
+    tilt: float | np.ndarray = 0.0,
+    tilt_phase: float | np.ndarray = 0.0,
+    z: float | np.ndarray = 0.0,
+    z_phase: float | np.ndarray = math.pi / 2.0,
 ) -> np.ndarray:
     """The six phasors of x = A sin(omega t + x_phase), tilt alike, z = A sin(2 omega t + z_phase).
+
+    Arrays of one shape (n,) give n motions.
 
     Args:
         params: gives omega.
@@ -67,11 +69,12 @@ def bar_motion(
         z_phase: rad; the default is Bell's.
 
     Returns:
-        (6,) x_cos, x_sin, tilt_cos, tilt_sin, z_cos, z_sin in m, rad, m.
+        (6,) or (n, 6): x_cos, x_sin, tilt_cos, tilt_sin, z_cos, z_sin in m, rad, m.
     """
     w = params.omega
     parts = [(x / w**2, x_phase), (tilt / w**2, tilt_phase), (z / (2.0 * w) ** 2, z_phase)]
-    motion = np.array([part for size, phase in parts for part in (size * math.sin(phase), size * math.cos(phase))])
+    columns = [part for size, phase in parts for part in (size * np.sin(phase), size * np.cos(phase))]
+    motion = np.stack(np.broadcast_arrays(*columns), axis=-1)
     if not np.isfinite(motion).all():
         raise ValueError(
             f"x, tilt, z and their phases are {x, x_phase, tilt, tilt_phase, z, z_phase}; give finite ones"
@@ -255,5 +258,6 @@ def _raise_fault(states: np.ndarray) -> None:
     if states["fault"].any():
         raise SimulationError(
             f"{np.count_nonzero(states['fault'])} of {len(states)} runs: a cycle needed more than {MAX_EVENTS} "
-            "events, or a search did not end; a restitution nearer to 1 or a larger blend makes shorter work"
+            "events, a search did not end, or the tilt exceeds "
+            f"{STEEPEST:g} rad; a restitution further from 1 or a smaller motion makes shorter work"
         )

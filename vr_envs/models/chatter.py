@@ -44,7 +44,8 @@ def settle(
     """
     d = contact.d
     opening, rate = normal * steepness(d, curve), tangent / steepness(d, curve)
-    force = normal_force(forces_at(frame, params.gravity), d, rate, curve)
+    forces = forces_at(frame, params.gravity)
+    force = normal_force(forces, d, rate, curve)
     alpha = mean_restitution(params.restitution, scatter)
     lost = 1.0 - alpha
     if force <= 0.0 or 1.8 * opening > (end - s) * force * lost:  # most impacts: the chatter would not end in time
@@ -56,9 +57,14 @@ def settle(
         wait = 2.0 * opening / (force * lost)
         if not abs(jerk) * wait < STEADY * force:  # nan without losses
             return s
+        if spin is None and params.tangential_loss > 0.0:
+            # the force changes with the velocity along the bar, which the impacts take away
+            if not abs(force - normal_force(forces, d, 0.0, curve)) < STEADY * force:
+                return s
         arm = inertia_ratio * radius
         pull = pull_bound(limits, params.gravity, params.half_length, abs(rate), arm, curve)
-        curvature = support_curvature(limits, params.gravity, abs(d), abs(rate), pull, arm, curve)
+        fastest = abs(rate) + wait * pull
+        curvature = support_curvature(limits, params.gravity, abs(d) + wait * fastest, fastest, pull, arm, curve)
         if not (abs(jerk) + 0.5 * curvature * wait) * wait < STEADY * force:
             return s
         if softening is not None:

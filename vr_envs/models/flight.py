@@ -83,7 +83,7 @@ def flight(piece, limits, tan, s, frame, end, x, z, u, w, gravity, contact, curv
         if converged(s + ds, step):
             return True, ds
         ds += step
-        # what the certified step left out of the cubic term is below the resolution of time
-        if slope < 0.0 and jerk * step * step * step < -TIME_RESOLUTION * slope:
+        # over a falling away gap the step left out a cubic term alone: it is below the resolution of time
+        if second < 0.0 and slope < 0.0 and jerk * step * step * step < -TIME_RESOLUTION * slope:
             return s + ds < end, min(ds, end - s)
     return False, UNDECIDED
