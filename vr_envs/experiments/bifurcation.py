@@ -47,6 +47,7 @@ Sweep = tuple[np.ndarray, np.ndarray, np.ndarray]
 Diagrams = dict[tuple[float, int], tuple[np.ndarray, np.ndarray]]
 # peak accelerations (m/s^2) of each m at which the settled heights are compared, restitution 0.75
 SETTLED = {1: (10.0, 11.0, 11.5, 12.0), 2: (10.0, 12.0, 13.3, 13.5)}
+FIGURES = dict(zip(RESTITUTIONS, ("Fig 3.9", "Fig 3.10"), strict=True))
 TOP = 25.0  # mm, of Bell's axis
 
 
@@ -206,7 +207,13 @@ def _draw(figure: Figure, still: Diagrams, moving: Diagrams) -> None:
             row, (still, moving), ("quasi-static sweep", f"ramp of {RATES[0]:g} m/s³"), strict=True
         ):
             _diagram(part, alpha, diagrams)
-            label(part, f"restitution {alpha:g}: {title}", "peak acceleration (m/s²)", "height of bounce (mm)", True)
+            label(
+                part,
+                f"restitution {alpha:g} ({FIGURES[alpha]}): {title}",
+                "peak acceleration (m/s²)",
+                "height of bounce (mm)",
+                True,
+            )
 
 
 def _diagram(axes: Axes, alpha: float, diagrams: Diagrams) -> None:
@@ -217,7 +224,7 @@ def _diagram(axes: Axes, alpha: float, diagrams: Diagrams) -> None:
         axes.plot([], [], "s", color=paint(colour), markersize=4, label=f"started at m = {m}")
         for bound, shown in (
             (lower_bound(m, params), None),
-            (upper_bound(m, params), "bounds of stable period one" if m == 1 else None),
+            (upper_bound(m, params), "bounds of stable period one" if m == MODES[-1] else None),
         ):
             axes.axvline(bound, color=FAINT, lw=0.6, ls="--", label=shown)
     axes.set_xlim(0.0, HIGHEST)

@@ -215,5 +215,5 @@ def _draw(figure: Figure, tables: dict[str, dict[str, np.ndarray]]) -> None:
     for view, colour in (("direct", BALL), ("reflected", FOUND)):
         axes[1, 0].plot(rows[noise], rows[f"{view} view, expected (pixel)"], color=colour, linewidth=1.0)
         axes[1, 0].plot(rows[noise], rows[f"{view} view, found (pixel)"], "o", color=colour, label=f"{view} view")
-    axes[1, 0].set_ylim(bottom=0.0)
+    axes[1, 0].set_ylim(0.0, 0.018)
     label(axes[1, 0], "calibration: found (points), theory (lines)", noise, "error of the camera (pixel)", legend=True)
