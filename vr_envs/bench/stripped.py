@@ -1,9 +1,10 @@
 """The ball's kernels without the options that a scene lacks, made by machine from the sources themselves.
 
-A kernel takes an absent option as None, and Numba prunes what stands behind `if option is not None:`. Whether that costs
-anything is measured against kernels that never had the option. `strip` writes them: in the syntax tree of every model
-file it decides each `option is None`, folds the conditions, drops the parameter, the field and the argument, and keeps
-only what can still be reached. The result is a package of its own, of plain kernels that know nothing of the option.
+A kernel takes an absent option as None, and Numba prunes what stands behind `if option is not None:`. Whether that
+costs anything is measured against kernels that never had the option. They are made here: in the syntax tree of every
+model file each `option is None` is decided, conditions are folded, the parameter, the field and the argument dropped,
+and only what can still be reached is kept. The result is a package of its own, of plain kernels that know nothing of
+the option.
 """
 
 from __future__ import annotations
@@ -37,6 +38,7 @@ class Module:
     """One model file: its definitions by name, and where the names that it imports from other model files come from."""
 
     def __init__(self, name: str) -> None:
+        """Read and parse the file."""
         self.name = name
         self.tree = ast.parse((FOLDER / f"{name}.py").read_text())
         self.definitions: dict[str, Definition] = {}
@@ -181,7 +183,7 @@ def stripped_sources(entry: tuple[str, str], absent: Collection[str]) -> dict[st
         module, name = waiting.pop()
         here = modules[module]
         module, name = here.imports.get(name, (module, name))
-        here = modules[module] if module in modules else here
+        here = modules.get(module, here)
         if module == KEPT or (module, name) in seen or name not in here.definitions:
             continue
         seen.add((module, name))
