@@ -13,6 +13,7 @@ import ast
 import hashlib
 import importlib
 import importlib.util
+import re
 import sys
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
@@ -218,7 +219,11 @@ def stripped(entry: tuple[str, str], absent: Collection[str]) -> Iterator[Module
     """The module of `entry` without the options `absent`, imported from a folder that is removed in the end."""
     sources = stripped_sources(entry, absent)
     # named by its text: a compiled loop over these kernels that is found on disk is over the same ones
-    package = f"vr_envs_stripped_{hashlib.sha256(repr(sources).encode()).hexdigest()[:16]}"
+    stamp = hashlib.sha256(repr(sources).encode()).hexdigest()[:16]
+    package = f"vr_envs_stripped_{stamp}"
+    # Numba takes unions of types for one another by their names, so records must not have those of the shipped ones
+    records = "|".join(re.findall(r"^class (\w+)", "\n".join(sources.values()), re.MULTILINE))
+    sources = {name: re.sub(rf"\b({records})\b", rf"\1_{stamp}", text) for name, text in sources.items()}
     with TemporaryDirectory(prefix=package) as folder:
         for module, text in sources.items():
             (Path(folder) / f"{module}.py").write_text(text)
