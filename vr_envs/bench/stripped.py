@@ -1,9 +1,10 @@
 """The ball's kernels without the options that a scene lacks, made by machine from the sources themselves.
 
-A kernel takes an absent option as None, and Numba prunes what stands behind `if option is not None:`. Whether that costs
-anything is measured against kernels that never had the option. `strip` writes them: in the syntax tree of every model
-file it decides each `option is None`, folds the conditions, drops the parameter, the field and the argument, and keeps
-only what can still be reached. The result is a package of its own, of plain kernels that know nothing of the option.
+A kernel takes an absent option as None, and Numba prunes what stands behind `if option is not None:`. Whether that
+costs anything is measured against kernels that never had the option. They are made here: in the syntax tree of every
+model file each `option is None` is decided, conditions are folded, the parameter, the field and the argument dropped,
+and only what can still be reached is kept. The result is a package of its own, of plain kernels that know nothing of
+the option.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import ast
 import hashlib
 import importlib
 import importlib.util
+import re
 import sys
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
@@ -37,6 +39,7 @@ class Module:
     """One model file: its definitions by name, and where the names that it imports from other model files come from."""
 
     def __init__(self, name: str) -> None:
+        """Read and parse the file."""
         self.name = name
         self.tree = ast.parse((FOLDER / f"{name}.py").read_text())
         self.definitions: dict[str, Definition] = {}
@@ -181,7 +184,7 @@ def stripped_sources(entry: tuple[str, str], absent: Collection[str]) -> dict[st
         module, name = waiting.pop()
         here = modules[module]
         module, name = here.imports.get(name, (module, name))
-        here = modules[module] if module in modules else here
+        here = modules.get(module, here)
         if module == KEPT or (module, name) in seen or name not in here.definitions:
             continue
         seen.add((module, name))
@@ -216,7 +219,11 @@ def stripped(entry: tuple[str, str], absent: Collection[str]) -> Iterator[Module
     """The module of `entry` without the options `absent`, imported from a folder that is removed in the end."""
     sources = stripped_sources(entry, absent)
     # named by its text: a compiled loop over these kernels that is found on disk is over the same ones
-    package = f"vr_envs_stripped_{hashlib.sha256(repr(sources).encode()).hexdigest()[:16]}"
+    stamp = hashlib.sha256(repr(sources).encode()).hexdigest()[:16]
+    package = f"vr_envs_stripped_{stamp}"
+    # Numba takes unions of types for one another by their names, so records must not have those of the shipped ones
+    records = "|".join(re.findall(r"^class (\w+)", "\n".join(sources.values()), re.MULTILINE))
+    sources = {name: re.sub(rf"\b({records})\b", rf"\1_{stamp}", text) for name, text in sources.items()}
     with TemporaryDirectory(prefix=package) as folder:
         for module, text in sources.items():
             (Path(folder) / f"{module}.py").write_text(text)
