@@ -79,6 +79,18 @@ def test_free_flight_is_exact(step):
     assert abs(fallen["z"] - (0.1 + (0.7 - 0.5 * g * t) * t)) < 1e-13 and abs(fallen["w"] - (0.7 - g * t)) < 1e-12
 
 
+@pytest.mark.parametrize(
+    "sensor",
+    [{"sensing": {"delay": 0.01234}}, {"camera": {"frame_rate": 8765.0, "noise": 0.0}}],
+    ids=["sensing", "camera faster than the steps"],
+)
+def test_a_sensor_looks_between_the_steps_too(sensor):
+    flying = {"x": 0.001, "z": 0.01, "u": 0.05, "w": 0.327}
+    found, exact = (moved(world(step, **sensor), AT_EASE, **flying) for step in (5e-4, None))
+    assert exact["impacts"] == found["impacts"] == 0 and np.abs(exact["seen"][:4]).min() > 1e-4
+    assert np.abs(found["seen"] - exact["seen"]).max() < 1e-12
+
+
 def test_the_bar_is_where_its_motion_says_at_the_end_of_every_step():
     balls = world(1e-4)
     old, new = (demanded(action, balls.params) for action in (ASKEW, -ASKEW))

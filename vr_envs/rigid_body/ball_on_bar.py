@@ -111,6 +111,12 @@ class BallOnBarSimulator:
         self.friction = grip if ratio > 0.0 else 0.0
         self.curvature = 0.0 if curve is None else curve.curvature
         self.facets = facets_of(p.half_length, self.curvature)
+        # the steps before which a sensor looks, the earlier time and the last, and how long after their beginning
+        sensing, camera = self.options["sensing"], self.options["camera"]
+        senses = sensing is not None or camera is not None
+        times = [self.span - age for age in ages_of(sensing, camera)] if senses else []
+        begun = [int(t / self.dt + 1e-9) for t in times]
+        self.looks = [(k, max(0.0, t - k * self.dt)) for k, t in zip(begun, times, strict=True)]
 
     def advance(self, state: np.void, action: np.ndarray) -> None:
         """Move `state` in place by one control interval while the bar goes to the motion that `action` asks for.
@@ -155,6 +161,7 @@ class Bounces:
         self.slowest = FEW * p.gravity * simulator.dt  # m/s
         self.alpha = self.restitution = p.restitution  # of the contact that lasts
         self.step, self.touched = 0, -2  # the present step, and the last one with a contact
+        self.earlier = 0.0, 0.0  # m, x and z at the sensor's earlier look
         self.bar = self._build_bar()
         self.ball = self._build_ball()
         self.space.on_collision(BALL, BAR, pre_solve=self._touch)
@@ -189,26 +196,32 @@ class Bounces:
     def run(self, steps: int) -> None:
         """Make the first `steps` steps of the interval and write the record."""
         space, bar, dt, state = self.space, self.bar, self.simulator.dt, self.state
-        sensing, camera = (self.simulator.options[name] for name in ("sensing", "camera"))
-        senses = sensing is not None or camera is not None
-        first, last = (round((self.simulator.span - age) / dt) for age in ages_of(sensing, camera))
-        x, z = state["x"], state["z"]
+        looks, done = self.simulator.looks, 0
         for k, (vx, vz, turn) in enumerate((np.diff(self.track[: steps + 1], axis=0) / dt).tolist()):
-            if senses and k in (first, last):
-                self._write()
-                if k == first:
-                    x, z = state["x"], state["z"]
-                if k == last:
-                    sense(state, state["steps"] + 1, x, z, sensing, camera)
+            while done < len(looks) and looks[done][0] == k:
+                self._look(done, looks[done][1])
+                done += 1
             self.step = k
             bar.velocity = vx, vz
             bar.angular_velocity = turn
             space.step(dt)
             if state["lost"]:
                 break
+        for number in range(done, len(looks)):
+            self._look(number, 0.0)
         self._write()
-        if senses and self.step < last:
-            sense(state, state["steps"] + 1, x, z, sensing, camera)
+
+    def _look(self, number: int, time: float) -> None:
+        """The sensor's look `number`, the earlier (0) or the last (1), a `time` (s) of free flight from now."""
+        state, options, gravity = self.state, self.simulator.options, self.simulator.scene.params.gravity
+        self._write()
+        state["x"] += state["u"] * time
+        state["z"] += (state["w"] - 0.5 * gravity * time) * time
+        state["w"] -= gravity * time
+        if number == 0:
+            self.earlier = state["x"], state["z"]
+        else:
+            sense(state, state["steps"] + 1, *self.earlier, options["sensing"], options["camera"])
 
     def _write(self) -> None:
         state, ball, simulator = self.state, self.ball, self.simulator
