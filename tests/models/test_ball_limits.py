@@ -91,3 +91,27 @@ def test_friction_in_the_last_of_a_chatter_is_that_of_its_impacts(spin, coeffici
         return np.array([state["d"], state["rate"], state["spin"]])
 
     assert np.abs(end_of(smooth) - end_of(None)).max() < 1e-7
+
+
+def test_a_rolling_ball_has_the_spin_of_its_place_at_the_end_of_every_interval():
+    """With a limit to the grip as without: the next interval would begin with a slip that never was."""
+    drawn = {"draw": lambda g: np.array([0.3, 0.0, 0.4, 0.2, -1.0, 0.0]), "x": 0.005}
+    scene = {"base": "rolling", "scatter": None, "half_length": 1.0}
+    free = states_of(scene, 1, 12, **drawn)[0]
+    limited = states_of({**scene, "friction": {"coefficient": 10.0}}, 1, 12, **drawn)[0]
+    assert free["resting"] and limited["resting"]
+    for name in ("x", "z", "u", "w", "spin", "d", "rate"):
+        assert abs(free[name] - limited[name]) < 1e-9, name
+
+
+def test_a_ball_that_flies_off_a_convex_bar_is_lost():
+    """Faster than sqrt(g / curvature), it never meets the parabola."""
+    scene = {"scatter": None, "tangential_loss": 0.0, "curve": {"curvature": -40.0}}
+    params, options = resolve(TASK, scene).records()
+    state = np.zeros((), dtype_of(TASK.state))[()]
+    state["x"], state["z"], state["u"] = 0.02, 0.005, 1.0
+    advance(state, np.zeros(6), params, *options)
+    assert not state["lost"]
+    for _ in range(4):
+        advance(state, np.zeros(6), params, *options)
+    assert state["lost"] and not state["fault"] and state["x"] < 1.0

@@ -24,7 +24,7 @@ from vr_envs.models.record import quantity
 from vr_envs.models.rest import rest
 from vr_envs.models.rolling import STILL
 from vr_envs.models.root import UNDECIDED
-from vr_envs.models.surface import contact_at
+from vr_envs.models.surface import contact_at, past_end
 
 MAX_EVENTS = 20_000  # impacts and releases in one piece of bar motion; a ball that needs more is a fault
 STEEPEST = 1.5  # rad, a ramp may take the bar to this tilt; beyond it, where it nearly stands upright, is a fault
@@ -164,6 +164,14 @@ def _impact(state, piece, frame, limits, s, end, params, scatter, spin, friction
 
 
 @kernel
+def _fall_past(state, piece, s, half_length, curve):
+    """Lose a ball in flight that has passed an end of a convex bar and may never meet the surface drawn on."""
+    if curve is not None:
+        if curve.curvature < 0.0:
+            state.lost = past_end(frame_at(piece, s), state.x, state.z, half_length, curve)
+
+
+@kernel
 def _stretch(state, piece, s, end, laws, log):
     """All events of one piece of bar motion, from time s to `end`."""
     gravity = laws.params.gravity
@@ -191,6 +199,7 @@ def _stretch(state, piece, s, end, laws, log):
         state.z += (state.w - 0.5 * gravity * ds) * ds
         state.w -= gravity * ds
         if not hit:
+            _fall_past(state, piece, end, laws.params.half_length, laws.curve)
             return
         s += ds
         frame = frame_at(piece, s)

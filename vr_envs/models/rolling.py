@@ -197,13 +197,14 @@ def grip_or_slip(piece, s, end, d, rate, rim, gravity, half_length, sticks, spin
         frame = frame_at(piece, s)
         forces = forces_at(frame, gravity)
         force = normal_force(forces, d, rate, curve)
-        if force <= 0.0 or abs(d) > half_length or s >= end:
-            return s, d, rate, rim, force <= 0.0 and s < end
         if direction == 0.0:
             if sticks:
                 rate = 0.0
             elif spin is not None:
                 rim = steepness(d, curve) * rate + radius * frame.tilt[1]
+        if force <= 0.0 or abs(d) > half_length or s >= end:
+            return s, d, rate, rim, force <= 0.0 and s < end
+        if direction == 0.0:
             need = grip_force(forces, d, rate, inertia_ratio, radius, sticks, curve)
             if abs(need) > friction.coefficient * force:
                 direction = -math.copysign(1.0, need)

@@ -70,6 +70,14 @@ def gap_at(frame, x, z, curve):
 
 
 @kernel
+def past_end(frame, x, z, half_length, curve):
+    """Whether a ball at (x, z) is beyond an end of a curved bar, below the tangent there."""
+    rx, rz = x - frame.x[0], z - frame.z[0]
+    p, q = abs(rx * frame.cos - rz * frame.sin), rx * frame.sin + rz * frame.cos
+    return p > half_length and q < curve.curvature * half_length * (p - 0.5 * half_length)
+
+
+@kernel
 def opening(contact, frame, curve):
     """Rate of the gap at a contact, m/s."""
     if curve is None:
