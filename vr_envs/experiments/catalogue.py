@@ -42,6 +42,6 @@ HORIZONTAL = (
     Experiment("growth-x-sizes", "Fig 4.7", "growth rate for several x-motions", "horizontal_figures:x_motions"),
 )
 
-SEARCH = (Experiment("grazing", "Section III.C", "first contacts of a million grazing launches", "grazing:grazing"),)
+SEARCH = (Experiment("grazing", "Section III.D", "first contacts of a million grazing launches", "grazing:grazing"),)
 
 EXPERIMENTS: dict[str, Experiment] = {e.name: e for e in (*VISION, *LENS, *VERTICAL, *SEARCH, *HORIZONTAL)}

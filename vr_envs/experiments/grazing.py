@@ -20,7 +20,7 @@ import numpy as np
 from vr_envs.experiments.bounce import launches, z_omega
 from vr_envs.experiments.contact_search import CONTACT, first_contacts
 from vr_envs.experiments.experiment import Finding, Outcome, Progress
-from vr_envs.experiments.look import BALL, BAR, FORMULA, FOUND, label
+from vr_envs.experiments.look import BALL, BAR, FORMULA, FOUND, label, plain_log, shared_legend
 from vr_envs.models.ball_on_bar import Params
 from vr_envs.models.ball_options import Textbook
 from vr_envs.models.bar import Piece, bounds, frame_at
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 LAUNCHES, CHUNK = 1_000_000, 20_000
 ACCELERATIONS = (5.0, 100.0)  # m/s^2, peak
 SPEEDS = (1e-4, 1.0)  # m/s, of the ball over the bar
+TICKS = ((5.0, 10.0, 20.0, 50.0, 100.0), (1e-4, 1e-3, 1e-2, 0.1, 1.0))  # of the two axes of the picture
 SAMPLES = (8, 16, 32, 64)  # per period of z
 SEARCHES = ("exact", *(f"textbook {n}" for n in SAMPLES))
 BAR_AND_BALL = Params()
@@ -189,12 +190,14 @@ def _draw(figure: Figure, edges: tuple[np.ndarray, np.ndarray], shares: np.ndarr
     """Missed share per bin of acceleration and of speed, percent."""
     figure.set_size_inches(9.0, 4.5)
     for k, (axes, x) in enumerate(
-        zip(figure.subplots(1, 2, sharey=True), ("peak acceleration, m/s²", "speed over the bar, m/s"), strict=True)
+        zip(figure.subplots(1, 2, sharey=True), ("peak acceleration (m/s²)", "speed over the bar (m/s)"), strict=True)
     ):
         for share, search, colour in zip(
             shares[k][::-1], SEARCHES[::-1], (FOUND, BALL, BAR, "0.45", FORMULA), strict=True
         ):
             axes.stairs(100.0 * share, edges[k], color=colour, label=search if k == 0 else None)
-        axes.set_xscale("log")
+        plain_log(axes, "x", TICKS[k])
         axes.set_yscale("symlog", linthresh=1e-3)
-        label(axes, "", x, "first contacts missed, %" if k == 0 else "", legend=k == 0)
+        label(axes, "", x, "first contacts missed (%)" if k == 0 else "")
+        if k == 0:
+            shared_legend(figure, *axes.get_legend_handles_labels())
