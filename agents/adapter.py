@@ -11,7 +11,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 from stable_baselines3.common.vec_env import VecEnv
 
-from vr_envs.envs.base import BatchEnv
+from vr_envs.envs.batch import BatchEnv
 
 
 class BatchVecEnv(VecEnv):

@@ -19,7 +19,7 @@ from tqdm import tqdm
 from agents.adapter import BatchVecEnv
 from agents.config import Config
 from agents.policy import policy_kwargs
-from vr_envs.envs.base import BatchEnv
+from vr_envs.envs.batch import BatchEnv
 from vr_envs.envs.registry import limit_of, spec_of, task_of
 
 

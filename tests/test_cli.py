@@ -62,7 +62,7 @@ def test_list_one(toy, capsys):
     lines = [[cell.strip() for cell in line.split("|")[1:-1]] for line in capsys.readouterr().out.splitlines()]
     assert ["parameter", "plain", "biased", "narrow", "yours", "unit", "allowed", "meaning"] in lines
     assert ["lag", "1", "1", "1", "0.25", "s", "[0.01, 100]", "time constant"] in lines
-    assert ["bias.size", "-", "0.5", "-", "0.5", "", "[-1, 1]", "constant action added by the world"] in lines
+    assert ["bias.size", "(0.5)", "0.5", "(0.5)", "0.5", "", "[-1, 1]", "constant action added by the world"] in lines
     assert ["0", "push", "[-1, 1]", "1", "share of the full push"] in lines
 
 

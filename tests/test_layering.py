@@ -24,7 +24,7 @@ LIBRARIES = {
     "models": {"math", "numpy", "numba"},
     "envs": {"numpy", "gymnasium"},
     "rigid_body": {"numpy", "pymunk"},
-    "controllers": {"numpy"},
+    "controllers": {"numpy", "scipy"},
 }
 STANDARD = set(sys.stdlib_module_names)
 

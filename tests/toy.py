@@ -15,7 +15,8 @@ from typing import ClassVar
 import gymnasium as gym
 import numpy as np
 
-from vr_envs.envs.base import BatchEnv, ScalarEnv
+from vr_envs.envs.batch import BatchEnv
+from vr_envs.envs.scalar import ScalarEnv
 from vr_envs.envs.scene import Scene
 from vr_envs.envs.task import Channel, Task
 from vr_envs.models.jit import kernel

@@ -69,6 +69,7 @@ def test_the_command_prints_expected_beside_found(experiments, tmp_path, capsys)
     ("arguments", "told"),
     [
         (["nothing"], "there is no experiment 'nothing'; choose among toy"),
+        (["toi"], "there is no experiment 'toi'; did you mean 'toy'? choose among toy"),
         ([], "give names of experiments (see --list), or --all"),
         (["toy", "--all"], "give names of experiments (see --list), or --all"),
     ],

@@ -174,6 +174,7 @@ START = ball(MOTION, z=0.002)
         (lambda: simulate(PARAMS, MOTION, 0.002, 3), r"made by ball\(\)"),
         (lambda: ball(MOTION, z=math.inf), "z = inf"),
         (lambda: ball(MOTION, key=-1), "key"),
+        (lambda: ball(MOTION, key=1.5), "key"),
         (lambda: bar_motion(PARAMS, z=math.nan), "finite"),
         (lambda: scan(PARAMS, np.tile(MOTION, (3, 1)), np.repeat(START, 2), 1, 1), "2 of them|3 of them"),
         (lambda: scan(PARAMS, MOTION, START, -1, 1), "skip"),
@@ -192,3 +193,8 @@ def test_too_many_events_are_an_error():
     motion = bar_motion(params)
     with pytest.raises(SimulationError, match="events"):
         simulate(params, motion, ball(motion, z=1e-10), 2)
+
+
+def test_a_trace_tells_in_a_line_what_it_holds():
+    trace = simulate(Params(), MOTION, ball(MOTION, z=0.002), 10, sample_rate=100.0)
+    assert repr(trace) == f"Trace({len(trace.impacts)} impacts, {len(trace.samples)} samples)"

@@ -260,6 +260,18 @@ def test_too_many_events_are_reported():
     assert terminated and reward == 0.0
 
 
+def test_a_ramp_that_stands_the_bar_upright_is_reported():
+    """At the bar's middle a ball may lie at any tilt; the gap, measured vertically, ends at a right angle."""
+    tilt = 1000.0 / (2 * math.pi * 15) ** 2  # rad/s
+    params, options, state = world({"scatter": None, "z_acceleration": 1.0, "ramp": {"tilt_cos": 1000.0, "z_cos": 0}})
+    state["resting"] = True
+    while not state["fault"][0]:
+        advance(state[0], np.array([0, 0, 0, 0, -0.25, 0]), params, *options)
+        state["steps"] += 1
+        assert state["steps"][0] < 300
+    assert state["steps"][0] * params["period"] * tilt == pytest.approx(1.5, rel=0.02)
+
+
 EVERYTHING = {"scatter": True, "spin": True, "friction": True, "softening": True, "curve": True}
 
 

@@ -94,14 +94,14 @@ def follow(scene, action, x, height, u):
     raise AssertionError("the ball has not come to rest")
 
 
-def drop(scene, action, x, height, u):
+def drop(scene, action, x, height, u, w=0.0):
     """The same ball in the model; the state at the end of the first cycle in which the bar has this motion."""
     params, options = resolve(TASK, scene).records()
     state = np.zeros(1, dtype_of(TASK.state))
     motion = demanded(action, params)
     state["motion"] = motion
     surface = motion[4] - (x - motion[0]) * math.tan(motion[2])
-    state["x"], state["z"], state["u"] = x, surface + height, u
+    state["x"], state["z"], state["u"], state["w"] = x, surface + height, u, w
     advance(state[0], action, params, *options)
     return params, options, state[0], motion
 
@@ -144,6 +144,17 @@ def test_a_chatter_ends_where_and_when_its_impacts_do(law):
         assert state["rate"] == pytest.approx(speed, abs=1e-10)
 
 
+def test_a_chatter_is_not_summed_while_the_lost_velocity_changes_the_force():
+    """A fast ball on a turning bar feels a Coriolis force of 3 % of its weight, which goes as its impacts slow it."""
+    scene = {**LAWS["loss"], "tangential_loss": 0.05, "z_acceleration": 4.0}
+    action = np.array([0.2, -0.1, 0.0, 0.9, -0.2, 0.3])
+    start = {"x": 0.004, "height": 2e-5, "u": 1.0}
+    _, place, _, _ = follow(scene, action, **start)
+    _, _, state, _ = drop(scene, action, **start)
+    assert state["resting"] == 1
+    assert state["d"] == pytest.approx(place, abs=1e-12)
+
+
 def test_a_bounce_is_no_chatter_because_the_force_is_at_its_extreme():
     """At the bar's lowest point the force has no slope; a ball that leaves with 0.05 m/s flies milliseconds."""
     scene = {**LAWS["loss"], "restitution": 0.75, "z_acceleration": 8.0}
@@ -157,6 +168,16 @@ def test_a_bounce_is_no_chatter_because_the_force_is_at_its_extreme():
     assert log[0, 0] == 0.0
     assert state["impacts"][0] > 3
     assert 5e-3 < log[1, 0] < 7e-3
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("speed", [0.0, 5e-13])
+def test_a_ball_that_loses_nothing_rests_if_it_is_laid_down(law, speed):
+    params, options, state, _ = drop(
+        {**LAWS[law], "restitution": 1.0, "z_acceleration": 0.0}, np.zeros(6), 0.01, 0.0, 0.0, -speed
+    )
+    assert state["resting"] == 1 and state["impacts"] == 1
+    assert (state["d"], state["rate"]) == (0.01, 0.0)
 
 
 @pytest.mark.parametrize("curvature", [None, 13.3, -20.0])

@@ -16,7 +16,7 @@ import gymnasium as gym
 import numpy as np
 from tqdm import tqdm
 
-from vr_envs.envs.base import BatchEnv
+from vr_envs.envs.batch import BatchEnv
 from vr_envs.envs.registry import limit_of, spec_of
 
 ACTION_SETS = 64

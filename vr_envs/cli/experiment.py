@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import difflib
 import os
+import sys
 from pathlib import Path
 from typing import Any
 
-from vr_envs.cli.common import UserError, add_command, user_input, whole
+from vr_envs.cli.common import UserError, add_command, whole
 
 
 def add(commands: Any) -> None:
@@ -20,10 +22,15 @@ def add(commands: Any) -> None:
         "  vr-envs experiment period-one\n"
         "  vr-envs experiment --all --jobs 2 --out runs/experiments",
     )
-    parser.add_argument("names", nargs="*", metavar="NAME", help="one or more experiments, see --list")
+    parser.add_argument("names", nargs="*", metavar="NAME", help="one or more of those that --list shows")
     parser.add_argument("--all", action="store_true", help="all of them")
     parser.add_argument("--list", action="store_true", help="list them and run none")
-    parser.add_argument("--out", default="runs/experiments", metavar="FOLDER", help="default runs/experiments")
+    parser.add_argument(
+        "--out",
+        default="runs/experiments",
+        metavar="FOLDER",
+        help="for NAME.png, NAME.json and NAME-*.csv; default runs/experiments",
+    )
     parser.add_argument("--jobs", type=whole(1), default=1, metavar="N", help="processes at a time; default 1")
     parser.set_defaults(run=run)
 
@@ -37,15 +44,21 @@ def run(arguments: argparse.Namespace) -> None:
         return
     for name in arguments.names:
         if name not in EXPERIMENTS:
-            raise UserError(f"there is no experiment {name!r}; choose among {', '.join(EXPERIMENTS)}")
+            close = difflib.get_close_matches(name, EXPERIMENTS, n=1)
+            hint = f"did you mean {close[0]!r}? " if close else ""
+            raise UserError(f"there is no experiment {name!r}; {hint}choose among {', '.join(EXPERIMENTS)}")
     if bool(arguments.names) == arguments.all:
         raise UserError("give names of experiments (see --list), or --all")
     names = list(EXPERIMENTS) if arguments.all else list(dict.fromkeys(arguments.names))
     folder = Path(arguments.out)
-    with user_input():
+    try:
         folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UserError(f"cannot make the folder {folder}: {error.strerror}; give another one with --out") from error
     if not os.access(folder, os.W_OK):
-        raise UserError(f"cannot write to {folder}: permission denied")
+        raise UserError(f"cannot write to {folder}: permission denied; give another folder with --out")
+    from tqdm import tqdm
+
     from vr_envs.experiments.runner import run_all, summary
     from vr_envs.render.extras import extra
 
@@ -55,7 +68,8 @@ def run(arguments: argparse.Namespace) -> None:
         raise UserError(str(error)) from error
     agreed, total = 0, 0
     for name, findings in run_all(names, folder, arguments.jobs):
-        print(summary(name, findings), end="\n\n", flush=True)
+        tqdm.write(summary(name, findings) + "\n")  # between the progress bars
+        sys.stdout.flush()
         agreed += sum(finding.agrees for finding in findings)
         total += len(findings)
     print(f"{agreed} of {total} findings agree; pictures and tables in {folder}")

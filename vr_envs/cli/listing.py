@@ -60,8 +60,8 @@ def details(env_id: str, scene: Any) -> str:
     channels = {"observation": task.observation_channels(chosen), "action": task.action_channels(chosen)}
     blocks = [
         f"{spec_of(env_id).id}: {limit} steps of {task.dt(chosen):.4g} s; levels {', '.join(task.levels)}; "
-        f"engines {', '.join(task.engine_names)}",
-        "Parameters by scene (-: the option is absent)",
+        f"engines {', '.join(task.engine_names)}; observations {', '.join(task.observation_names)}",
+        "Parameters by scene (in brackets: the option is absent, this is what it has where it is added)",
         markdown(
             ["parameter", *scenes, "unit", "allowed", "meaning"],
             rows,
@@ -81,7 +81,7 @@ def _fields(cls: type, instances: list[Any], prefix: str = "") -> list[list[str]
     rows = []
     for field in dataclasses.fields(cls):
         meta = field.metadata
-        values = ["-" if i is None else _value(getattr(i, field.name)) for i in instances]
+        values = [f"({_value(field.default)})" if i is None else _value(getattr(i, field.name)) for i in instances]
         bounded = meta["low"] > float("-inf") or meta["high"] < float("inf")
         allowed = ", ".join(meta["choices"] or ()) or (f"[{meta['low']:g}, {meta['high']:g}]" if bounded else "")
         rows.append([prefix + field.name, *values, meta["unit"], allowed, meta["doc"]])

@@ -9,7 +9,8 @@ import numpy as np
 
 from vr_envs.envs.autopilot_demands import START_DRAWS, Demands, DemandState, change_demands, move_demands
 from vr_envs.envs.autopilot_observation import BAND, channels, error, observe
-from vr_envs.envs.base import BatchEnv, ScalarEnv
+from vr_envs.envs.batch import BatchEnv
+from vr_envs.envs.scalar import ScalarEnv
 from vr_envs.envs.scene import Scene
 from vr_envs.envs.task import Channel, Task
 from vr_envs.models import autopilot as model

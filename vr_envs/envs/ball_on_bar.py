@@ -1,4 +1,4 @@
-"""Task: keep a bouncing ball at the centre of a bar by choosing the bar's motion once per base cycle."""
+"""Task: keep a bouncing ball at the centre of a bar by choosing the bar's motion."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ import numpy as np
 
 from vr_envs.envs.ball_on_bar_engines import ENGINES
 from vr_envs.envs.ball_on_bar_observation import observations, observe
-from vr_envs.envs.base import BatchEnv, ScalarEnv
+from vr_envs.envs.batch import BatchEnv
+from vr_envs.envs.scalar import ScalarEnv
 from vr_envs.envs.scene import Scene
 from vr_envs.envs.task import Channel, Task
 from vr_envs.models.ball_on_bar import Params as BarParams
@@ -39,8 +40,8 @@ class Params(BarParams):
 class State(BallState):
     """The ball, the bar, and the sums from which the metrics follow."""
 
-    sum_x2: float = quantity(0.0, "m^2", "sum of x^2 over cycles")
-    max_x: float = quantity(0.0, "m", "largest |x| at the end of a cycle")
+    sum_x2: float = quantity(0.0, "m^2", "sum of x^2 over control intervals")
+    max_x: float = quantity(0.0, "m", "largest |x| at the end of an interval")
 
 
 @kernel
@@ -99,7 +100,7 @@ def _metrics(states: np.ndarray, scene: Scene) -> dict[str, np.ndarray]:
         "on_bar": on_bar,
         "rms_x_mm": 1e3 * rms,
         "max_x_mm": 1e3 * states["max_x"],
-        "impacts_per_cycle": states["impacts"] / steps,
+        "impacts_per_cycle": states["impacts"] / (steps * scene.params.hold),
         "fault": states["fault"] != 0,
     }
 
@@ -171,13 +172,13 @@ TASK = Task(
 
 
 class BallOnBarEnv(ScalarEnv):
-    """Keep a bouncing ball at the centre of a bar by choosing the bar's motion, once per base cycle.
+    """Keep a bouncing ball at the centre of a bar by choosing the bar's motion.
 
     ## Description
     A ball bounces on a bar with three degrees of freedom (Bell, section IV): x and tilt move at the base frequency
-    (15 Hz), z at twice that, so the bar's centre runs along a parabola. The ball flies freely; every impact is
-    located to rounding. Restitution and surface normal scatter a little from impact to impact. The bar never jumps:
-    it goes to a new motion along a blend with continuous position and velocity.
+    (15 Hz), z at twice that, so the bar's centre runs along a parabola. An action comes once per base cycle. The ball
+    flies freely; every impact is located to rounding. Restitution and surface normal scatter a little from impact to
+    impact. The bar never jumps: it goes to a new motion along a blend with continuous position and velocity.
 
     ## Action Space
     `Box(-1, 1, (6,), float32)`, clipped to it: amplitude and phase of the three motions as in-phase and quadrature
@@ -212,16 +213,28 @@ class BallOnBarEnv(ScalarEnv):
     at action 0.
 
     ## Episode End
-    Terminated when the ball meets the plane of the bar beyond its ends (or, never seen, a cycle needs more than
-    20 000 events: `fault`). Truncated after 150 cycles, 10 s. The last info holds `is_success` (on the bar with an
-    rms x of at most 2 mm), `on_bar`, `rms_x_mm`, `max_x_mm`, `impacts_per_cycle`, `fault`.
+    Terminated when the ball meets the plane of the bar beyond its ends, or a cycle needs more than 20 000 events, as
+    without losses it may (`fault`). Truncated after 150 cycles, 10 s. The last info holds `is_success` (on the bar with
+    an rms x of at most 2 mm), `on_bar`, `rms_x_mm`, `max_x_mm`, `impacts_per_cycle`, `fault`.
 
     ## Arguments
-    `scene`: `"bell"` (default: part c = 2/7 of the tangential velocity is lost at an impact, no spin), `"rolling"`
-    (a solid sphere that grips, spins and rolls, on a surface half as rough again: no open-loop motion of a flat bar
-    holds it), or a dict of
-    overrides: parameters and the options `scatter` (`restitution`, `normal`) and `spin` (`inertia_ratio`, `radius`);
-    `vr-envs list BallOnBar` prints all with units. `render_mode`: None, `"rgb_array"` or `"human"`.
+    `scene`, a name or a dict of overrides, `{"base": "bell", "restitution": 0.8, "spin": True}`;
+    `vr-envs list BallOnBar` prints every parameter and option with its unit:
+
+    - `"bell"` (default): part c = 2/7 of the tangential velocity is lost at an impact, no spin;
+    - `"bell-2dof"`: the same without x-motion;
+    - `"rolling"`: a solid sphere that grips, spins and rolls, on a surface half as rough again: no open-loop motion of
+      a flat bar holds it;
+    - `"lens"`: the sphere on a concave bar, which draws it in by itself, slowly.
+
+    What a scene may add, each compiled away where it is absent: `scatter` of restitution and surface normal, `spin`,
+    `friction` (Coulomb's limit of the grip, tangential restitution), `softening` (restitution that falls with the
+    impact speed), `curve` (concave or convex bar), `frequencies` of their own for x, tilt and z, a slow `ramp` of the
+    amplitudes. `hold` is the number of base cycles between two actions: 0.5 or a whole number.
+
+    `observation`: `"state"` (default), `"sensing"` (the state late and with noise) or `"camera"` (what Bell's vision
+    system would see: place and velocity from two exposures, with its latency; no spin). Like engines they are options
+    of the scene, with settings: `scene={"camera": {"noise": 10.0}}`. `render_mode`: None, `"rgb_array"` or `"human"`.
 
     `engine`, what moves the ball: `"exact"` (default), `"textbook"` (contacts found as in Bell's simulator: `samples`
     of the gap per period of z, then a binary search) or `"rigid_body"` (the Chipmunk engine in fixed time steps of

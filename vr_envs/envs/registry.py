@@ -40,7 +40,7 @@ def task_of(env_id: str) -> Task:
     """The task behind an environment id.
 
     Raises:
-        ValueError: unknown id, or an id that is not built on `vr_envs.envs.base`.
+        ValueError: unknown id, or one that is not of this suite.
     """
     spec = spec_of(env_id)
     creator = load_env_creator(spec.entry_point) if isinstance(spec.entry_point, str) else spec.entry_point

@@ -7,7 +7,8 @@ import math
 
 import numpy as np
 
-from vr_envs.envs.base import BatchEnv, ScalarEnv
+from vr_envs.envs.batch import BatchEnv
+from vr_envs.envs.scalar import ScalarEnv
 from vr_envs.envs.scene import Scene
 from vr_envs.envs.task import Task
 from vr_envs.envs.terrain_ride_observation import Preview, SensorNoise, action_channels, channels, observe

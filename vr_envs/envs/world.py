@@ -18,6 +18,8 @@ from vr_envs.envs.scene import Scene, resolve
 from vr_envs.envs.task import Channel, Task
 from vr_envs.models.record import dtype_of
 
+NO_LIMIT = np.iinfo(np.int64).max  # control intervals
+
 
 def box(channels: tuple[Channel, ...]) -> Box:
     """The float32 Box of a list of channels."""

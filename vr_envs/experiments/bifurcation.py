@@ -14,6 +14,8 @@ import numpy as np
 from vr_envs.experiments.attractors import ends
 from vr_envs.experiments.bounce import (
     lower_bound,
+    orbit_apexes,
+    orbit_phases,
     period_one_launch,
     period_one_phase,
     upper_bound,
@@ -43,11 +45,10 @@ EQUAL = 1e-3  # relative difference of equal bounces and intervals
 BEYOND = 5  # steps of the sweep
 Sweep = tuple[np.ndarray, np.ndarray, np.ndarray]
 Diagrams = dict[tuple[float, int], tuple[np.ndarray, np.ndarray]]
-# apexes (mm) of the settled ball, restitution 0.75: (m, acceleration) -> heights
-SETTLED = {
-    (1, 10.0): (3.63,), (1, 11.0): (3.38, 4.03), (1, 11.5): (2.78, 4.67), (1, 12.0): (2.48, 5.01),
-    (2, 10.0): (12.56,), (2, 12.0): (12.78,), (2, 13.3): (12.89,), (2, 13.5): (12.11, 13.69),
-}  # fmt: skip
+# peak accelerations (m/s^2) of each m at which the settled heights are compared, restitution 0.75
+SETTLED = {1: (10.0, 11.0, 11.5, 12.0), 2: (10.0, 12.0, 13.3, 13.5)}
+FIGURES = dict(zip(RESTITUTIONS, ("Fig 3.9", "Fig 3.10"), strict=True))
+TOP = 25.0  # mm, of Bell's axis
 
 
 def middle(m: int, params: Params) -> float:
@@ -110,7 +111,7 @@ def bifurcation(progress: Progress) -> Outcome:
         tops = [heights(kept, counts, params) for _, kept, counts in (up, down)]
         findings += _bounds_found(m, params, up, down)
         if alpha == 0.75:
-            findings += _settled(m, up, tops[0], down, tops[1])
+            findings += _settled(m, params, up, down)
         still[alpha, m] = (
             np.concatenate([np.repeat(a, KEEP - 1) for a in (up[0], down[0])]),
             np.concatenate([t.ravel() for t in tops]),
@@ -163,22 +164,24 @@ def _bounds_found(m: int, params: Params, up: Sweep, down: Sweep) -> list[Findin
     ]
 
 
-def _settled(m: int, up: Sweep, tops_up: np.ndarray, down: Sweep, tops_down: np.ndarray) -> list[Finding]:
-    """Heights of the settled bounces where the sweep passes."""
+def _settled(m: int, params: Params, up: Sweep, down: Sweep) -> list[Finding]:
+    """Heights of the settled bounces where the sweep passes, against the equations of period one or two."""
     findings = []
-    for (mode, acceleration), expected in SETTLED.items():
-        if mode != m:
-            continue
-        accelerations, tops = (up[0], tops_up) if acceleration >= up[0][0] else (down[0], tops_down)
-        row = tops[np.argmin(np.abs(accelerations - acceleration))]
-        found = np.unique(np.round(1e3 * row, 4))
-        found = found[np.insert(np.diff(found) > 1e-3, 0, True)]
+    for acceleration in SETTLED[m]:
+        accelerations, kept, counts = up if acceleration >= up[0][0] else down
+        row = int(np.argmin(np.abs(accelerations - acceleration)))
+        period = 1 if acceleration < upper_bound(m, params) else 2
+        last = kept[row, -period:]
+        phases = orbit_phases(last["phase"], [m] * period, acceleration, params)
+        expected = np.sort(1e3 * orbit_apexes(phases, [m] * period, acceleration, params))
+        tops = 1e3 * heights(kept, counts, params)[row, -2 * (KEEP // 4) :]
+        found = np.split(np.sort(tops), period)
         findings.append(
             Finding(
                 f"apexes at {acceleration:g} m/s^2, m = {m}, restitution 0.75",
-                f"{', '.join(f'{e:.2f}' for e in expected)} mm, within 0.01",
-                f"{', '.join(f'{f:.3f}' for f in found[:6])} mm",
-                len(found) == len(expected) and bool(np.abs(found - expected).max() < 0.01),
+                f"{', '.join(f'{e:.4f}' for e in expected)} mm (orbit's equations), within 1e-3 mm",
+                f"{', '.join(f'{f.mean():.4f}' for f in found)} mm",
+                all(np.abs(f - e).max() < 1e-3 for f, e in zip(found, expected, strict=True)),
             )
         )
     return findings
@@ -204,16 +207,25 @@ def _draw(figure: Figure, still: Diagrams, moving: Diagrams) -> None:
             row, (still, moving), ("quasi-static sweep", f"ramp of {RATES[0]:g} m/s³"), strict=True
         ):
             _diagram(part, alpha, diagrams)
-            label(part, f"restitution {alpha:g}: {title}", "peak acceleration [m/s²]", "height of bounce [mm]", True)
+            label(
+                part,
+                f"restitution {alpha:g} ({FIGURES[alpha]}): {title}",
+                "peak acceleration (m/s²)",
+                "height of bounce (mm)",
+                True,
+            )
 
 
 def _diagram(axes: Axes, alpha: float, diagrams: Diagrams) -> None:
     params = vertical(FREQUENCY, alpha)
     for m, colour in zip(MODES, (BLUE, GROUND), strict=True):
         accelerations, tops = diagrams[alpha, m]
-        axes.plot(accelerations, 1e3 * tops, ",", color=paint(colour))
-        axes.plot([], [], "s", color=paint(colour), markersize=4, label=f"m = {m}")
-        for bound, shown in ((lower_bound(m, params), None), (upper_bound(m, params), "bounds" if m == 1 else None)):
+        axes.plot(accelerations, 1e3 * tops, ".", color=paint(colour), markersize=1.2, markeredgewidth=0.0)
+        axes.plot([], [], "s", color=paint(colour), markersize=4, label=f"started at m = {m}")
+        for bound, shown in (
+            (lower_bound(m, params), None),
+            (upper_bound(m, params), "bounds of stable period one" if m == MODES[-1] else None),
+        ):
             axes.axvline(bound, color=FAINT, lw=0.6, ls="--", label=shown)
     axes.set_xlim(0.0, HIGHEST)
-    axes.set_ylim(0.0, 20.0)
+    axes.set_ylim(0.0, TOP)

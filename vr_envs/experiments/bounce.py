@@ -125,6 +125,17 @@ def orbit_phases(
     return newton(lambda phases: orbit_residual(phases, *args), guess)
 
 
+def orbit_apexes(
+    phases: Sequence[float] | np.ndarray, counts: Sequence[int], acceleration: float, params: Params
+) -> np.ndarray:
+    """Highest point (m) above the bar's mean position of the flight after each impact of an orbit."""
+    omega = z_omega(params)
+    height = acceleration / omega**2 * np.sin(phases)
+    flight = (2.0 * np.pi * np.asarray(counts) + np.roll(phases, -1) - phases) / omega
+    out = (np.roll(height, -1) - height) / flight + 0.5 * params.gravity * flight
+    return height + out**2 / (2.0 * params.gravity)
+
+
 def launches(
     params: Params, accelerations: np.ndarray | float, phases: np.ndarray | float, speeds: np.ndarray | float
 ) -> tuple[np.ndarray, np.ndarray]:

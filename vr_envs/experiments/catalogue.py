@@ -9,7 +9,7 @@ VISION = (
     Experiment("vision-error", "Section II", "error of the vision system over noise and pixels", "vision_error:run"),
 )
 LENS = (
-    Experiment("lens-travel", "Fig 2.3, 2.4", "a ball travels round a concave lens as it bounces", "lens:travel"),
+    Experiment("lens-travel", "Figs 2.3, 2.4", "a ball travels round a concave lens as it bounces", "lens:travel"),
     Experiment("lens-height", "Fig 2.5", "height of the ball, adjusted for the lens under it", "lens:height"),
 )
 
@@ -31,6 +31,17 @@ VERTICAL = (
     ),
 )
 
+HORIZONTAL = (
+    Experiment("growth", "Fig 4.1", "growth rate over the tilt's phase, no x-motion", "horizontal_figures:no_x_motion"),
+    Experiment("growth-surface", "Figs 4.2, 4.3", "growth rate over phase and tilt", "horizontal_figures:surface"),
+    Experiment("bar-motions", "Fig 4.4", "a motion that is a source and one that is a sink", "bar_motions:bar_motions"),
+    Experiment("growth-x", "Fig 4.5", "growth rate with a small x-motion", "horizontal_figures:small_x_motion"),
+    Experiment(
+        "growth-x-surface", "Fig 4.6", "growth rate over phase and tilt, small x-motion", "horizontal_figures:surface_x"
+    ),
+    Experiment("growth-x-sizes", "Fig 4.7", "growth rate for several x-motions", "horizontal_figures:x_motions"),
+)
+
 SEARCH = (Experiment("grazing", "Section III.C", "first contacts of a million grazing launches", "grazing:grazing"),)
 
-EXPERIMENTS: dict[str, Experiment] = {e.name: e for e in (*VISION, *LENS, *VERTICAL, *SEARCH)}
+EXPERIMENTS: dict[str, Experiment] = {e.name: e for e in (*VISION, *LENS, *VERTICAL, *SEARCH, *HORIZONTAL)}

@@ -71,7 +71,7 @@ def travel(progress: Progress) -> Outcome:
         findings.append(
             Finding(
                 f"{_name(*lens)}: travel round the lens",
-                f"{expected:.3f} Hz, from the linear map (1 % for its {1e3 * LONG:.0f} mm); below {lens[1]:.0f} Hz",
+                f"{expected:.3f} Hz, linear map, within 1 %, {1e3 * LONG:.0f} mm being finite; below {lens[1]:.0f} Hz",
                 f"{found:.3f} Hz",
                 _close(found, expected, 0.01) and found < lens[1],
             )
@@ -102,11 +102,16 @@ def _kept(track: Track) -> list[Finding]:
     error = (track.seen - track.true).std(axis=0)
     expected = predicted_error(Rig(), np.array([0.0, 0.0, track.true[:, 2].mean()]))
     return [
-        Finding("frictionless: change of angular momentum about the axis", "0", f"{change:.1e}", change < 1e-12),
+        Finding(
+            "frictionless: change of angular momentum about the axis",
+            "0, within 1e-12 of it",
+            f"{change:.1e}",
+            change < 1e-12,
+        ),
         Finding(
             "error of the camera in x, y, z (standard deviation)",
-            " ".join(f"{1e6 * e:.0f}" for e in expected) + " µm, in theory (30 %)",
-            " ".join(f"{1e6 * e:.0f}" for e in error) + " µm",
+            ", ".join(f"{1e6 * e:.1f}" for e in expected) + " µm in theory, within 30 %",
+            ", ".join(f"{1e6 * e:.1f}" for e in error) + " µm",
             all(_close(f, e, 0.3) for f, e in zip(error, expected, strict=True)),
         ),
     ]
@@ -131,7 +136,7 @@ def _slow(params: Params) -> list[Finding]:
     ] + [
         Finding(
             "the same at twice the size",
-            "4 times, being of second order (10 %)",
+            "4 times, being of second order, within 10 %",
             f"{growth[1] / growth[0]:.2f} times",
             _close(growth[1] / growth[0], 4.0, 0.1),
         )
@@ -147,13 +152,13 @@ def _gripped(params: Params) -> list[Finding]:
     return [
         Finding(
             "gripping solid sphere: size of its path, from impact to impact",
-            f"times {expected:.4f} (10 % of the loss)",
+            f"times {expected:.4f} within 10 % of the loss",
             f"times {size:.4f}",
             _close(1.0 - size, 1.0 - expected, 0.1),
         ),
         Finding(
             "gripping solid sphere: travel round the lens",
-            f"{frequency:.3f} Hz (1 %)",
+            f"{frequency:.3f} Hz, within 1 %",
             f"{found:.3f} Hz",
             _close(found, frequency, 0.01),
         ),
@@ -169,10 +174,10 @@ def _draw_travel(figure: Figure, track: Track, gripping: np.ndarray) -> None:
     for axes, values, name in zip(rows, (*seen.T, np.hypot(seen[:, 0], seen[:, 1])), "xyzr", strict=True):
         axes.plot(track.times, values, ".", color=BALL, markersize=1.5)
         label(axes, "", "", f"{name} (mm)")
-    rows[0].set_title("Figure 2.3: place of the ball, and its distance r from the axis", fontsize=10)
+    rows[0].set_title("place of the ball (Fig 2.3), and its distance r from the axis", fontsize=10, loc="left")
     rows[3].set_xlabel("time (s)")
     shown = (
-        (seen[:, :2], "Figure 2.4: path in the plane, frictionless"),
+        (seen[:, :2], "path in the plane, frictionless (Fig 2.4)"),
         (gripping, "a gripping solid sphere, its impacts"),
     )
     for axes, (path, title) in zip(paths.subplots(2, 1, sharex=True, sharey=True), shown, strict=True):
@@ -197,19 +202,19 @@ def height(progress: Progress) -> Outcome:
         findings += [
             Finding(
                 f"{_name(*lens)}: apex heights, as they are (standard deviation)",
-                f"{1e6 * raw:.1f} µm, to second order (5 %)",
+                f"{1e6 * raw:.1f} µm to second order, within 5 %",
                 f"{1e6 * spread[0]:.1f} µm",
                 _close(spread[0], raw, 0.05),
             ),
             Finding(
                 f"{_name(*lens)}: adjusted with the true place",
-                f"{1e6 * less:.1f} µm, to second order (10 %)",
+                f"{1e6 * less:.1f} µm to second order, within 10 %",
                 f"{1e6 * spread[1]:.1f} µm",
                 _close(spread[1], less, 0.1),
             ),
             Finding(
                 f"{_name(*lens)}: adjusted with the place that the camera saw",
-                f"{1e6 * math.hypot(less, noise):.1f} µm, with {1e6 * noise:.1f} µm of noise (20 %)",
+                f"{1e6 * math.hypot(less, noise):.1f} µm, with {1e6 * noise:.1f} µm of noise, within 20 %",
                 f"{1e6 * found:.1f} µm, {found / spread[0]:.2f} of what it was",
                 _close(found, math.hypot(less, noise), 0.2),
             ),
@@ -249,7 +254,7 @@ def _expected(track: Track) -> tuple[float, float]:
 def _draw_height(figure: Figure, track: Track, trace: dict[str, np.ndarray]) -> None:
     figure.set_size_inches(9.0, 7.0)
     rows = figure.subplots(3, 1, sharex=True)
-    titles = ("Figure 2.5: height of the ball, as seen", "adjusted using x and y")
+    titles = ("height of the ball, as seen (Fig 2.5)", "adjusted using x and y (Fig 2.5)")
     for axes, name, title in zip(rows, ("z seen (mm)", "z seen, adjusted (mm)"), titles, strict=False):
         axes.plot(trace["time (s)"], trace[name], color=BALL, linewidth=0.6)
         label(axes, title, "", "z (mm)")
@@ -259,5 +264,4 @@ def _draw_height(figure: Figure, track: Track, trace: dict[str, np.ndarray]) -> 
     ):
         apexes, _ = fitted_apexes(track, heights)
         rows[2].plot(track.run.times[:-1], 1e3 * apexes, "o-", color=colour, markersize=2.5, linewidth=0.6, label=name)
-    label(rows[2], "highest points of the parabolas fitted to each flight", "time (s)", "z (mm)")
-    rows[2].legend(fontsize=8, frameon=False, ncols=2, loc="lower right", bbox_to_anchor=(1.0, 1.0))
+    label(rows[2], "highest points of the parabolas fitted to each flight", "time (s)", "z (mm)", legend=True)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 
 from vr_envs.experiments.bounce import (
     lower_bound,
     newton,
     orbit_residual,
+    period_one_phase,
     restitution_of_phase,
     upper_bound,
     vertical,
@@ -22,25 +25,26 @@ def period_one(progress: Progress) -> Outcome:
     """Figures 3.1, 3.2 and table 3.1."""
     setting = Setting(30.0, 10.4, 1, 1000.0, 2)
     alpha = restitution_of_phase(setting.acceleration, 0.97, 1, Params().gravity)
+    measured = _mean_phases(setting, alpha, 1)[0]
     findings = [
         Finding(
-            "restitution that Bell's phase 0.97 rad needs",
-            "0.680, within 0.001",
-            f"{alpha:.4f}",
-            near(alpha, 0.68, 1e-3),
+            f"phase with a restitution of {alpha:.4f}, which period one needs (closed form) for Bell's mean phase",
+            "0.9700 rad, within 1e-6 rad",
+            f"{measured:.7f} rad",
+            near(measured, 0.97, 1e-6),
         )
     ]
     settled = setting.settled(0.68)
     seen, bounces = setting.seen(*settled)
     findings += one_findings(setting, settled[0], bounces)
-    other = setting.settled(0.75)
-    phase = float(np.mean(setting.seen(*other)[1].phases))
+    phase = _mean_phases(setting, 0.75, 1)[0]
+    expected = period_one_phase(setting.acceleration, 1, vertical(30.0, 0.75))
     findings.append(
         Finding(
             "phase with Bell's best fit 0.75",
-            "1.134 rad, within 0.001: not his 0.97",
-            f"{phase:.4f}",
-            near(phase, 1.134, 1e-3),
+            f"{expected:.4f} rad (closed form), within 1e-6 rad: not his 0.97",
+            f"{phase:.7f} rad",
+            near(phase, expected, 1e-6),
         )
     )
     period, _ = setting.repeats(0.856)
@@ -54,7 +58,7 @@ def period_one(progress: Progress) -> Outcome:
         )
     )
     title = "Period one: peak acceleration 10.4 m/s², z at 30 Hz, restitution 0.68 (Figs 3.1, 3.2)"
-    return outcome_of(settled, seen, bounces, findings, _columns(table(bounces)), 1, title)
+    return outcome_of(setting, settled, seen, bounces, findings, _columns(table(bounces)), 1, title, 2.0)
 
 
 def period_two(progress: Progress) -> Outcome:
@@ -66,16 +70,18 @@ def period_two(progress: Progress) -> Outcome:
 
     gravity, omega = settled[0].gravity, z_omega(settled[0])
     fit = newton(lambda p: orbit_residual([0.67, 1.36], [1, 1], p[0], p[1], gravity, omega), [12.0, 0.7])
+    measured = np.sort(_mean_phases(dataclasses.replace(setting, acceleration=float(fit[0])), float(fit[1]), 2))
     findings.append(
         Finding(
-            "acceleration and restitution that Bell's phases 0.67 and 1.36 need",
-            "12.27 m/s^2 (his 11.95 is 2.6 % less), 0.666, within 0.01 and 0.001",
-            f"{fit[0]:.3f} m/s^2, {fit[1]:.4f}",
-            near(fit[0], 12.27, 1e-2) and near(fit[1], 0.666, 1e-3),
+            f"phases at {fit[0]:.3f} m/s^2 and a restitution of {fit[1]:.4f}, which Bell's mean phases need (orbit's "
+            f"equations; his 11.95 is {1.0 - setting.acceleration / fit[0]:.1%} less)",
+            "0.67 and 1.36 rad, within 1e-6 rad",
+            " and ".join(f"{phase:.7f}" for phase in measured) + " rad",
+            bool(np.abs(measured - [0.67, 1.36]).max() < 1e-6),
         )
     )
     title = "Period two: peak acceleration 11.95 m/s², z at 30 Hz, restitution 0.68 (Figs 3.3, 3.4)"
-    return outcome_of(settled, seen, bounces, findings, halves(bounces), 2, title)
+    return outcome_of(setting, settled, seen, bounces, findings, halves(bounces), 2, title, 2.0)
 
 
 def period_one_m2(progress: Progress) -> Outcome:
@@ -97,7 +103,7 @@ def period_one_m2(progress: Progress) -> Outcome:
             )
         )
     title = "Period one, m = 2: peak acceleration 11.5 m/s², z at 20 Hz, restitution 0.75 (Fig 3.6)"
-    return outcome_of(settled, seen, bounces, findings, _columns(table(bounces)), 1, title)
+    return outcome_of(setting, settled, seen, bounces, findings, _columns(table(bounces)), 1, title, 16.0)
 
 
 def period_two_m2(progress: Progress) -> Outcome:
@@ -117,7 +123,7 @@ def period_two_m2(progress: Progress) -> Outcome:
         )
     )
     title = "Period two, m = 2: peak acceleration 13.3 m/s², z at 20 Hz, restitution 0.76 (Fig 3.7)"
-    return outcome_of(settled, seen, bounces, findings, halves(bounces), 2, title)
+    return outcome_of(setting, settled, seen, bounces, findings, halves(bounces), 2, title, 16.0)
 
 
 def restitution_range(acceleration: float, m: int) -> tuple[float, float]:
@@ -130,6 +136,12 @@ def restitution_range(acceleration: float, m: int) -> tuple[float, float]:
             low, high = (middle, high) if bound(m, Params(restitution=middle)) > acceleration else (low, middle)
         bounds.append(high)
     return bounds[0], bounds[1]
+
+
+def _mean_phases(setting: Setting, restitution: float, period: int) -> np.ndarray:
+    """Phases (period,) at the impacts of the settled ball, means of the camera's fits, rad."""
+    phases = setting.seen(*setting.settled(restitution))[1].phases
+    return np.array([phases[i::period].mean() for i in range(period)])
 
 
 def _columns(rows: dict[str, np.ndarray]) -> dict[str, np.ndarray]:

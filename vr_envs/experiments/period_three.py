@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vr_envs.experiments.attractors import Ends, ends_of_starts, grid_of_starts
-from vr_envs.experiments.bounce import orbit_phases, vertical, z_omega
+from vr_envs.experiments.bounce import orbit_apexes, orbit_phases, vertical, z_omega
 from vr_envs.experiments.camera_trace import Bounces, CameraTrace
 from vr_envs.experiments.experiment import Finding, Outcome, Progress
 from vr_envs.experiments.look import label, paint
@@ -22,7 +22,7 @@ SETTING = Setting(30.0, 11.11, 1, 2000.0, 3)
 STARTS = 48  # per axis of the plane of phase and speed
 HIGHEST = 3.0  # W, start speed relative to the bar over pi g / omega
 SKIP, KEEP = 400, 60  # base cycles, impacts
-APEXES = {0.68: (0.77, 1.69, 2.29), 0.80: (0.37, 1.53, 2.91)}  # mm, lowest first
+RESTITUTIONS = (0.68, 0.80)
 
 ORBITS = {
     "locking": RED,
@@ -40,7 +40,7 @@ def period_three(progress: Progress) -> Outcome:
     maps: dict[float, Ends] = {}
     tables: dict[str, dict[str, np.ndarray]] = {}
     shown: tuple[CameraTrace, Bounces] | None = None
-    for alpha in progress(list(APEXES), desc="starts"):
+    for alpha in progress(RESTITUTIONS, desc="starts"):
         params = vertical(SETTING.frequency, alpha)
         motions, states, tau, speed = grid_of_starts(params, SETTING.acceleration, STARTS, HIGHEST)
         found, kept, finals = ends_of_starts(params, motions, states, SKIP, KEEP)
@@ -70,7 +70,10 @@ def period_three(progress: Progress) -> Outcome:
         parts: Any = figure.subfigures(2, 1, height_ratios=(3, 2))
         if shown is not None:
             draw_trace(
-                parts[0], *shown, "Period three: peak acceleration 11.11 m/s², z at 30 Hz, restitution 0.68 (Fig 3.5)"
+                parts[0],
+                *shown,
+                "Period three: peak acceleration 11.11 m/s², z at 30 Hz, restitution 0.68 (Fig 3.5)",
+                3.5,
             )
         for axes, (alpha, found) in zip(parts[1].subplots(1, 2, sharey=True), maps.items(), strict=True):
             _draw_basin(axes, alpha, found)
@@ -103,18 +106,19 @@ def _orbit(alpha: float, impacts: np.ndarray) -> list[Finding]:
     apexes = np.sort(1e3 * (impacts["z"] + impacts["w_out"] ** 2 / (2.0 * params.gravity)))
     counts = _counts(impacts, params.gravity, z_omega(params))
     phases = orbit_phases(impacts["phase"], counts, SETTING.acceleration, params)
+    expected = np.sort(1e3 * orbit_apexes(phases, counts, SETTING.acceleration, params))
     error = float(np.abs(phases - impacts["phase"]).max())
     return [
         Finding(
             f"apexes of period 3, restitution {alpha:g}",
-            f"{', '.join(f'{a:.2f}' for a in APEXES[alpha])} mm, within 0.01",
+            f"{', '.join(f'{a:.4f}' for a in expected)} mm (orbit's equations), within 1e-6 mm",
             f"{', '.join(f'{a:.4f}' for a in apexes)} mm",
-            bool(np.abs(apexes - APEXES[alpha]).max() < 0.01),
+            bool(np.abs(apexes - expected).max() < 1e-6),
         ),
         Finding(
             f"phases of period 3, restitution {alpha:g}",
-            f"{', '.join(f'{p:.4f}' for p in phases)} rad (orbit's equations), within 1e-9",
-            f"largest difference {error:.0e}",
+            f"{', '.join(f'{p:.4f}' for p in phases)} rad (orbit's equations), within 1e-9 rad",
+            f"largest difference {error:.0e} rad",
             error < 1e-9,
         ),
     ]
@@ -134,8 +138,8 @@ def _seen(bounces: Bounces, impacts: np.ndarray, gravity: float) -> Finding:
     exact = np.sort(impacts["phase"])
     return Finding(
         "phases from the camera's fits",
-        f"{', '.join(f'{p:.4f}' for p in exact)} rad, within 1e-6",
-        ", ".join(f"{p:.7f}" for p in found),
+        f"{', '.join(f'{p:.4f}' for p in exact)} rad, within 1e-6 rad",
+        f"{', '.join(f'{p:.7f}' for p in found)} rad",
         bool(np.abs(found - exact).max() < 1e-6),
     )
 
@@ -161,4 +165,4 @@ def _draw_basin(axes, alpha: float, found: Ends) -> None:  # type: ignore[no-unt
         vmax=len(names) - 0.5,
         interpolation="nearest",
     )
-    label(axes, f"where starts end, restitution {alpha:g}", "tau: phase at the start / 2π", "W: speed / (π g / ω)")
+    label(axes, f"where starts end, restitution {alpha:g}", "τ: phase at the start / 2π", "W: speed / (π g / ω)")

@@ -17,7 +17,7 @@ import numpy as np
 
 from vr_envs.experiments.bounce import launches, scaled, vertical, z_omega, z_period
 from vr_envs.experiments.experiment import Finding, Outcome, Progress
-from vr_envs.experiments.look import BALL, FORMULA, FOUND, label
+from vr_envs.experiments.look import BALL, FORMULA, FOUND, label, plain_log
 from vr_envs.experiments.simulation import scan
 from vr_envs.experiments.trace import flight_times, free_flights
 from vr_envs.models.ball_on_bar import Params
@@ -35,6 +35,7 @@ RECENT = 100  # impacts: a ball that has rested within as many counts as locked
 REGIMES = ((0.5, 20.0), (0.75, 15.0), (RESTITUTION, GAMMA * math.pi * Params().gravity), (0.75, 25.0))
 LONGEST = 2000  # impacts of a run followed for the portrait
 FIRST = 10  # impacts of a run left out of the portrait: they show how it was started
+TAU, W = "τ: phase of the impact / 2π", "W: speed relative to the bar / (π g / ω)"
 SHOWN = 8000  # points in the picture
 
 
@@ -117,7 +118,7 @@ def phase_portrait(progress: Progress) -> Outcome:
         ),
         Finding(
             "distance of the impacts from Bell's spiral, in W",
-            f"approximate: median well below {params.restitution / 4:.3f}, that of points strewn at random",
+            f"approximate: median below {params.restitution / 8:.3f}, half that of points strewn at random",
             f"median {np.median(spiral):.3f}, 9 of 10 below {np.quantile(spiral, 0.9):.3f}",
             bool(np.median(spiral) < 0.5 * params.restitution / 4.0),
         ),
@@ -171,8 +172,9 @@ def _draw(figure: Figure, tau: np.ndarray, speed: np.ndarray, found: list[Lockin
         portrait.plot(line, spiral, color=FOUND, lw=0.8, label="α (n + τ + Γ cos 2πτ)" if n == 0 else None)
     portrait.set_xlim(0.0, 1.0)
     portrait.set_ylim(0.0, 1.05 * top)
-    label(portrait, f"Γ = {GAMMA:g}, restitution {RESTITUTION:g} (Fig 3.12)", "τ", "W", legend=True)
+    label(portrait, f"Γ = {GAMMA:g}, restitution {RESTITUTION:g} (Fig 3.12)", TAU, W, legend=True)
     for (alpha, acceleration), parts, style in zip(REGIMES, found, ("-", "--", "-.", ":"), strict=True):
-        locked.semilogx(CHECKS, parts.shares, style, color=FORMULA, label=f"α {alpha:g}, {acceleration:.3g} m/s²")
+        locked.plot(CHECKS, parts.shares, style, color=FORMULA, label=f"α {alpha:g}, {acceleration:.3g} m/s²")
+    plain_log(locked, "x", CHECKS)
     locked.set_ylim(0.0, 1.05)
-    label(locked, "share locked", "impacts", "", legend=True)
+    label(locked, f"starts that rested in the last {RECENT} impacts", "impacts", "share of the starts", legend=True)

@@ -99,13 +99,13 @@ def _found(scatter: float, by_height: np.ndarray, by_time: np.ndarray) -> list[F
         mean, std = float(values.mean()), float(values.std(ddof=1))
         error = std / math.sqrt(len(values))
         within = 1e-6 if scatter == 0.0 else 4.0 * error
-        told = "1e-6" if scatter == 0.0 else "4 standard errors; one value scatters as the impacts do"
+        told = "1e-6" if scatter == 0.0 else f"4 standard errors; std of one value {scatter:g}, within 30 %"
         agrees = abs(mean - RESTITUTION) < within and abs(std - scatter) <= (1e-6 if scatter == 0.0 else 0.3 * scatter)
         findings.append(
             Finding(
                 f"restitution from {way}; scatter {scatter:g}",
                 f"{RESTITUTION:g}, within {told}",
-                f"{mean:.5f}, std of one value {std:.1g}, {len(values)} values",
+                f"{mean:.5f}, std of one value {std:.2g}, {len(values)} values",
                 bool(agrees),
             )
         )
@@ -130,5 +130,17 @@ def _draw(figure: Figure, shown: dict[float, tuple[CameraTrace, Bounces]], colum
             label=text,
         )
     below.axhline(RESTITUTION, color=FORMULA, lw=0.8)
-    label(above, "Drops of 10 mm on the bar at rest", "time [ms]", "height [mm]", legend=True)
-    label(below, "Restitution from the heights of successive bounces", "drop [mm]", "restitution", legend=True)
+    label(
+        above,
+        "drops of 10 mm on the bar at rest; triangles: maxima of the fits",
+        "time (ms)",
+        "height (mm)",
+        legend=True,
+    )
+    label(
+        below,
+        "restitution from the heights of successive bounces; line: 0.856",
+        "drop (mm)",
+        "restitution",
+        legend=True,
+    )

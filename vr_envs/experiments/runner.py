@@ -65,14 +65,16 @@ def run_all(
 ) -> Iterator[tuple[str, tuple[Finding, ...]]]:
     """`run_one` for each name, in at most `jobs` processes; yields (name, findings) as they come."""
     if jobs == 1 or len(names) == 1:
-        for name in names:
+        for name in (bar := tqdm(names, leave=False, disable=None, unit="experiment")):
+            bar.set_description(name)
             yield name, run_one(name, folder, _bar)
         return
     with ProcessPoolExecutor(min(jobs, len(names)), multiprocessing.get_context("spawn")) as pool:
         running = {pool.submit(run_one, name, folder): name for name in names}
         try:
-            for done in tqdm(as_completed(running), total=len(running), desc="experiments", leave=False, disable=None):
-                yield running[done], done.result()
+            done = as_completed(running)
+            for one in tqdm(done, "experiments", len(names), leave=False, disable=None, unit="experiment"):
+                yield running[one], one.result()
         finally:
             pool.shutdown(cancel_futures=True)
 

@@ -1,12 +1,24 @@
 """The one simulation of the ball on the bar that notebooks and experiments use.
 
-    from vr_envs.experiments.simulation import ball, bar_motion, simulate
+    from vr_envs.experiments.simulation import ball, bar_motion, scan, simulate
     from vr_envs.models.ball_on_bar import Params
 
     params = Params(frequency=15.0, restitution=0.68)      # x and tilt at 15 Hz, z at 30 Hz
     motion = bar_motion(params, z=10.4)                    # peak accelerations and phases -> six phasors
     trace = simulate(params, motion, ball(motion, z=0.002), cycles=15, sample_rate=500.0)
-    trace.impacts["phase"], trace.apexes["z"], trace.samples["z"]
+    trace.impacts["phase"], trace.apexes["z"]               # the columns: see `trace.py`
+    pyplot.plot(trace.seconds(trace.samples), trace.samples["z"])
+
+What the bar or the ball has besides is an option (`vr_envs.models.ball_options`), by name:
+
+    simulate(params, motion, start, cycles=200, options={"spin": Spin(), "curve": Curve(curvature=10.0)})
+
+A bifurcation diagram is a scan over motions, each from where the ball was at the one before:
+
+    sizes = numpy.linspace(8.0, 14.0, 300)
+    motions = numpy.array([bar_motion(params, z=a) for a in sizes])
+    impacts, counts, _ = scan(params, motions, trace.final, skip=400, keep=16, follow=True)
+    pyplot.plot(sizes, impacts["phase"], ",")               # rows with counts < 16: the ball came to rest
 
 SI units; frame and signs: `models/bar.py`. Time is kept as (cycle, time in the cycle), never as one growing number.
 """
@@ -22,7 +34,7 @@ import numpy as np
 
 from vr_envs.experiments.simulation_kernels import IMPACT, ROOM, SAMPLE, lowest_gap, run_intervals, run_scan
 from vr_envs.experiments.trace import Trace
-from vr_envs.models.ball_on_bar import LOGGED, MAX_EVENTS, Params, State
+from vr_envs.models.ball_on_bar import LOGGED, MAX_EVENTS, STEEPEST, Params, State
 from vr_envs.models.ball_options import OPTIONS
 from vr_envs.models.record import checked, dtype_of, pack
 
@@ -30,7 +42,7 @@ DEEPEST = -1e-9  # m, gap under a start: rounding of a start on the surface is l
 
 
 class SimulationError(RuntimeError):
-    """A cycle needed more than `MAX_EVENTS` events, or a search for a contact did not end."""
+    """A cycle needed more than `MAX_EVENTS` events, a search for a contact did not end, or the bar stands upright."""
 
 
 def bar_motion(
@@ -96,7 +108,7 @@ def ball(
     for name, value in numbers.items():
         if not math.isfinite(value):
             raise ValueError(f"{name} = {value!r} is not allowed; give a finite number")
-    if not 0 <= key < 2**64:
+    if not isinstance(key, int | np.integer) or not 0 <= key < 2**64:
         raise ValueError(f"key = {key!r} is not allowed; give an integer in [0, 2^64)")
     return pack(State(key=key, motion=_motions(motion, None), **numbers))  # type: ignore[arg-type]
 
@@ -171,7 +183,8 @@ def scan(
         follow: each run starts from the end of the one before (a quasi-static sweep); the first from `starts`.
 
     Returns:
-        impacts (n, keep) of dtype `IMPACT`, counts (n,) how many of each row are filled, final states (n,).
+        impacts (n, keep) with the columns of `Trace.impacts`, counts (n,) how many of each row are filled (the others
+        are zero: the ball came to rest for good, or was lost), final states (n,).
 
     Raises:
         ValueError: as in `simulate`.
@@ -245,5 +258,6 @@ def _raise_fault(states: np.ndarray) -> None:
     if states["fault"].any():
         raise SimulationError(
             f"{np.count_nonzero(states['fault'])} of {len(states)} runs: a cycle needed more than {MAX_EVENTS} "
-            "events, or a search did not end; a restitution nearer to 1 or a larger blend makes shorter work"
+            "events, a search did not end, or the tilt exceeds "
+            f"{STEEPEST:g} rad; a restitution further from 1 or a smaller motion makes shorter work"
         )

@@ -25,12 +25,18 @@ def free_flights(impacts: np.ndarray, params: Params) -> np.ndarray:
     return np.abs(reached - second["z"]) <= 1e-9 * (np.abs(first["w_out"] * t) + np.abs(first["z"]))
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, repr=False, eq=False)
 class Trace:
-    """What happened in a run: `impacts`, `samples` and the `final` state to go on from.
+    """What happened in a run. `impacts` and `samples` are structured arrays: `trace.impacts["phase"]`.
 
-    The dtypes are `IMPACT` and `SAMPLE` of `simulation_kernels.py`, and a record of the model's `State`.
-    `lost`: the ball left the bar, and the run ended there.
+    Attributes:
+        params: of the run.
+        impacts: one row each: `cycle` (base cycles since the start of the first run) and `time` in it (s), `phase` of
+            the bar's z (rad), `x` and `z` of the ball (m), its velocity after it `u_out`, `w_out` (m/s), and, relative
+            to the bar along its normal and tangent, before and after, `normal_in`, `tangent_in`, `normal_out`,
+            `tangent_out` (m/s).
+        samples: `cycle`, `time`, `x` and `z` of the ball, `bar_x`, `bar_tilt` (rad) and `bar_z`, at `sample_rate`.
+        final: a record of the model's `State`, from which another run can go on.
     """
 
     params: Params
@@ -38,9 +44,14 @@ class Trace:
     samples: np.ndarray
     final: np.void
 
+    def __repr__(self) -> str:
+        """How much it holds, in one line."""
+        told = ", lost" if self.lost else ""
+        return f"Trace({len(self.impacts)} impacts, {len(self.samples)} samples{told})"
+
     @property
     def lost(self) -> bool:
-        """Whether the ball left the bar."""
+        """Whether the ball left the bar, which ended the run."""
         return bool(self.final["lost"])
 
     def seconds(self, rows: np.ndarray) -> np.ndarray:
@@ -59,7 +70,7 @@ class Trace:
 
     @property
     def apexes(self) -> np.ndarray:
-        """Highest points (dtype `APEX`) of those flights between two impacts that have one: rows in order."""
+        """Highest points of those flights between two impacts that have one: `cycle`, `time` (s), `x`, `z` (m)."""
         rise = self.impacts["w_out"][:-1] / self.params.gravity
         has = self.free & (rise > 0.0) & (rise < self.flight_times)
         start, rise = self.impacts[:-1][has], rise[has]

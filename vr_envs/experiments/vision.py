@@ -83,7 +83,7 @@ def _rms(values: np.ndarray) -> float:
 def _compared(what: str, expected: float, found: float, within: float, unit: str, why: str) -> Finding:
     """A finding that agrees when found and expected differ by at most the part `within` of what is expected."""
     agrees = abs(found - expected) <= within * expected
-    return Finding(what, f"{expected:.4g} {unit} +- {100 * within:.0f} % ({why})", f"{found:.4g} {unit}", agrees)
+    return Finding(what, f"{expected:.4g} {unit} ± {100 * within:.0f} % ({why})", f"{found:.4g} {unit}", agrees)
 
 
 def _calibration_findings(rig: Rig, calibrations: list[Any]) -> list[Finding]:
@@ -115,7 +115,7 @@ def _track_findings(rig: Rig, track: dict[str, Any]) -> list[Finding]:
             1e6 * e,
             1e6 * _rms(found),
             0.2,
-            "um",
+            "µm",
             "triangulation; a track meets the lattice unevenly",
         )
         for name, e, found in zip("xyz", expected, (seen[:, :3] - truth).T, strict=True)
@@ -128,7 +128,7 @@ def _track_findings(rig: Rig, track: dict[str, Any]) -> list[Finding]:
             1e6 * turn,
             1e6 * _rms(track["in_turn"][:, 2] - truth[:, 2]),
             0.1,
-            "um",
+            "µm",
             "half the way in that time",
         )  # fmt: skip
     )

@@ -10,7 +10,7 @@ import numpy as np
 
 from vr_envs.experiments.calibration import projected
 from vr_envs.experiments.experiment import Finding, Outcome, Progress
-from vr_envs.experiments.look import BALL, BAR, FOUND, label
+from vr_envs.experiments.look import BALL, BAR, FAINT, FOUND, label, plain_log
 from vr_envs.experiments.vision_rig import Rig, bar_poses, centroid_error, locate, marker_error, predicted_error, target
 from vr_envs.models.camera import Camera, outline
 
@@ -23,6 +23,7 @@ PLACES = 2000  # per ball
 BALLS = 8  # of radii over one pixel: the lattice error of a disc depends on it
 CALIBRATIONS = 40  # per noise
 WITHIN = 0.04  # part by which found and expected error may differ
+RESOLUTION_TICKS = (0.125, 0.25, 0.5, 1.0)  # mm/pixel
 TRUSTED = 20.0  # grey levels of noise up to which the theory of single edge pixels holds
 
 
@@ -111,9 +112,9 @@ def _bar_errors() -> tuple[np.ndarray, np.ndarray]:
 def _columns(results: list) -> dict[str, np.ndarray]:
     columns = {}
     for k, name in enumerate("xyz"):
-        columns[f"{name} rms error (um)"] = 1e6 * np.array([r["rms"][k] for r in results])
-        columns[f"{name} expected (um)"] = 1e6 * np.array([r["expected"][k] for r in results])
-        columns[f"{name} bias (um)"] = 1e6 * np.array([r["bias"][k] for r in results])
+        columns[f"{name} rms error (µm)"] = 1e6 * np.array([r["rms"][k] for r in results])
+        columns[f"{name} expected (µm)"] = 1e6 * np.array([r["expected"][k] for r in results])
+        columns[f"{name} bias (µm)"] = 1e6 * np.array([r["bias"][k] for r in results])
     return columns | {"not seen (%)": 100.0 * np.array([r["lost"] for r in results])}
 
 
@@ -126,7 +127,7 @@ def _findings(over_noise: list, over_size: list, calibration: list) -> list[Find
             findings.append(
                 Finding(
                     f"rms error of {name} over theory, {what}",
-                    f"1 +- {WITHIN:g} (lattice of pixels, noise of edge pixels, triangulation)",
+                    f"1 ± {WITHIN:g} (lattice of pixels, noise of edge pixels, triangulation)",
                     f"{min(ratio):.3f} to {max(ratio):.3f}",
                     max(abs(r - 1.0) for r in ratio) <= WITHIN,
                 )
@@ -135,7 +136,7 @@ def _findings(over_noise: list, over_size: list, calibration: list) -> list[Find
     findings.append(
         Finding(
             "rms error grows with the size of a pixel as its power",
-            "1.5 +- 0.05 (r^(-1/2) in pixels)",
+            "1.5 ± 0.05 (r^(-1/2) in pixels)",
             ", ".join(f"{s:.3f}" for s in slope),
             all(abs(s - 1.5) <= 0.05 for s in slope),
         )
@@ -147,7 +148,7 @@ def _findings(over_noise: list, over_size: list, calibration: list) -> list[Find
     findings.append(
         Finding(
             "y (mirror only) over x (direct view only): rms errors",
-            f"{ratio:.3f} +- 0.03 (the mirror's longer way to the power 3/2)",
+            f"{ratio:.3f} ± 0.03 (the mirror's longer way to the power 3/2)",
             f"{found:.3f}",
             abs(found - ratio) <= 0.03,
         )
@@ -158,18 +159,18 @@ def _findings(over_noise: list, over_size: list, calibration: list) -> list[Find
     findings.append(
         Finding(
             "bias of y: the image of a sphere off the axis is not centred on the image of its centre",
-            f"{1e6 * bias:.2f} +- {3e6 * uncertain:.2f} um (tan of the angle off the axis, radius^2 / distance)",
-            f"{1e6 * found:.2f} um",
+            f"{1e6 * bias:.2f} ± {3e6 * uncertain:.2f} µm (tan of the angle off the axis, radius^2 / distance)",
+            f"{1e6 * found:.2f} µm",
             abs(found - bias) <= 3.0 * uncertain,
         )
     )
     found, expected = _bar_errors()
     # the markers keep their distance in columns, so their errors along x are not independent as the theory takes them
-    for k, (name, unit, within) in enumerate((("x", "um", 0.15), ("z", "um", 0.05), ("tilt", "urad", 0.05))):
+    for k, (name, unit, within) in enumerate((("x", "µm", 0.15), ("z", "µm", 0.05), ("tilt", "µrad", 0.05))):
         findings.append(
             Finding(
                 f"{name} of the bar from its three markers: rms error",
-                f"{1e6 * expected[k]:.2f} {unit} +- {100 * within:.0f} % (independent centroid errors, rigid fit)",
+                f"{1e6 * expected[k]:.2f} {unit} ± {100 * within:.0f} % (independent centroid errors, rigid fit)",
                 f"{1e6 * found[k]:.2f} {unit}",
                 abs(found[k] / expected[k] - 1.0) <= within,
             )
@@ -179,7 +180,7 @@ def _findings(over_noise: list, over_size: list, calibration: list) -> list[Find
         findings.append(
             Finding(
                 f"error of the calibrated camera over s sqrt(11/2n), {name} view, all noises",
-                "1 +- 0.05 (11 free numbers, independent centroid errors)",
+                "1 ± 0.05 (11 free numbers, independent centroid errors)",
                 f"{ratio:.3f}",
                 abs(ratio - 1.0) <= 0.05,
             )
@@ -191,21 +192,28 @@ def _draw(figure: Figure, tables: dict[str, dict[str, np.ndarray]]) -> None:
     """Error over noise and over resolution per axis, calibration, bias."""
     figure.set_size_inches(11.0, 7.5)
     axes = figure.subplots(2, 2)
-    found = "found (points), theory (lines)"
     noise, size = "noise (grey level)", "resolution (mm/pixel)"
-    for place, table, key in ((axes[0, 0], "noise", noise), (axes[0, 1], "resolution", size)):
+    for place, table, key, what in (
+        (axes[0, 0], "noise", noise, "error over image noise"),
+        (axes[0, 1], "resolution", size, "error over size of a pixel"),
+    ):
         for name, colour in zip("xyz", (BALL, FOUND, BAR), strict=True):
             rows = tables[table]
-            place.plot(rows[key], rows[f"{name} expected (um)"], color=colour, linewidth=1.0)
-            place.plot(rows[key], rows[f"{name} rms error (um)"], "o", color=colour, label=name)
+            place.plot(rows[key], rows[f"{name} expected (µm)"], color=colour, linewidth=1.0)
+            place.plot(rows[key], rows[f"{name} rms error (µm)"], "o", color=colour, label=name)
             if table == "resolution":
-                axes[1, 1].plot(rows[key], rows[f"{name} bias (um)"], "o-", color=colour, label=name)
-        label(place, found, key, "rms error (um)", legend=True)
-    axes[0, 1].set(xscale="log", yscale="log")
-    axes[1, 1].set(xscale="log")
-    label(axes[1, 1], "bias", size, "mean error (um)", legend=True)
+                axes[1, 1].plot(rows[key], rows[f"{name} bias (µm)"], "o-", color=colour, label=name)
+        label(place, f"{what}: found (points), theory (lines)", key, "rms error (µm)", legend=True)
+    axes[0, 0].axvline(TRUSTED, color=FAINT, linewidth=0.8, linestyle="--")
+    axes[0, 0].text(TRUSTED + 0.5, 1.0, "the theory holds to the left", fontsize=8, color=FAINT)
+    axes[0, 0].set_ylim(bottom=0.0)
+    plain_log(axes[0, 1], "x", RESOLUTION_TICKS)
+    plain_log(axes[0, 1], "y", (5.0, 10.0, 20.0, 50.0, 100.0))
+    plain_log(axes[1, 1], "x", RESOLUTION_TICKS)
+    label(axes[1, 1], "bias over size of a pixel", size, "mean error (µm)", legend=True)
     rows = tables["calibration"]
     for view, colour in (("direct", BALL), ("reflected", FOUND)):
         axes[1, 0].plot(rows[noise], rows[f"{view} view, expected (pixel)"], color=colour, linewidth=1.0)
-        axes[1, 0].plot(rows[noise], rows[f"{view} view, found (pixel)"], "o", color=colour, label=view)
-    label(axes[1, 0], found, noise, "error of the calibrated camera (pixel)", legend=True)
+        axes[1, 0].plot(rows[noise], rows[f"{view} view, found (pixel)"], "o", color=colour, label=f"{view} view")
+    axes[1, 0].set_ylim(0.0, 0.018)
+    label(axes[1, 0], "calibration: found (points), theory (lines)", noise, "error of the camera (pixel)", legend=True)

@@ -26,7 +26,8 @@ from vr_envs.models.rolling import STILL
 from vr_envs.models.root import UNDECIDED
 from vr_envs.models.surface import contact_at
 
-MAX_EVENTS = 20_000  # impacts and releases in one base cycle; a ball that needs more ends the episode as a fault
+MAX_EVENTS = 20_000  # impacts and releases in one piece of bar motion; a ball that needs more is a fault
+STEEPEST = 1.5  # rad, a ramp may take the bar to this tilt; beyond it, where it nearly stands upright, is a fault
 
 LOGGED = ("time", "x", "z", "normal_in", "tangent_in", "normal_out", "tangent_out")
 """Columns of the log of impacts: time in the base cycle (s), place of the ball (m), velocity of its centre relative to
@@ -88,14 +89,16 @@ class Params:
 
 @dataclasses.dataclass(frozen=True)
 class State:
-    """The ball at the start of a base cycle, and the bar's motion."""
+    """The ball at the start of a control interval, and the bar's motion."""
 
     key: int = quantity(0, "", "episode key", kind="key")
-    steps: int = quantity(0, "", "cycles since the start", low=0)
+    steps: int = quantity(0, "", "control intervals since the start", low=0)
     impacts: int = quantity(0, "", "impacts since the start; the counter of the scatter", low=0)
     resting: bool = quantity(False, "", "the ball lies on the bar")
     lost: bool = quantity(False, "", "the ball has left the bar")
-    fault: bool = quantity(False, "", "a cycle needed more than MAX_EVENTS events, or a search did not end")
+    fault: bool = quantity(
+        False, "", "more than MAX_EVENTS events, a search that did not end, or a tilt beyond STEEPEST"
+    )
     x: float = quantity(0.0, "m", "ball, along the bar, from the bar's mean position")
     z: float = quantity(0.0, "m", "ball, upwards, from the bar's mean position")
     u: float = quantity(0.0, "m/s", "velocity of x")
@@ -165,7 +168,10 @@ def _stretch(state, piece, s, end, laws, log):
     """All events of one piece of bar motion, from time s to `end`."""
     gravity = laws.params.gravity
     limits = bounds(piece)
-    tan = math.tan(min(1.5, limits[1].d0))
+    if limits[1].d0 > STEEPEST:
+        state.fault = True
+        return
+    tan = math.tan(limits[1].d0)
     frame = frame_at(piece, s)
     contact = AIRBORNE
     for _ in range(MAX_EVENTS):

@@ -17,7 +17,7 @@ from vr_envs.models.impact import collide
 from vr_envs.models.jit import kernel
 from vr_envs.models.lens_flight import flight, gap_at, lens_at, surface_height
 from vr_envs.models.record import quantity
-from vr_envs.models.rest import UNDECIDED
+from vr_envs.models.root import UNDECIDED
 
 MAX_IMPACTS = 1000  # in one cycle; a ball that needs more chatters, which is a fault
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from vr_envs.models.bar import frame_at
+from vr_envs.models.impact import collide
 from vr_envs.models.jit import kernel
 from vr_envs.models.rolling import STILL, inertia_of
 from vr_envs.models.support import flight_support, forces_at, gripping, normal_force, pull_bound, support_curvature
@@ -44,10 +45,13 @@ def settle(
     """
     d = contact.d
     opening, rate = normal * steepness(d, curve), tangent / steepness(d, curve)
-    force = normal_force(forces_at(frame, params.gravity), d, rate, curve)
+    forces = forces_at(frame, params.gravity)
+    force = normal_force(forces, d, rate, curve)
     alpha = mean_restitution(params.restitution, scatter)
     lost = 1.0 - alpha
-    if force <= 0.0 or 1.8 * opening > (end - s) * force * lost:  # most impacts: the chatter would not end in time
+    if force <= 0.0:
+        return s
+    if normal > STILL and 1.8 * opening > (end - s) * force * lost:  # most impacts: the chatter would not end in time
         return s
     _, jerk = flight_support(frame, params.gravity, d, tangent, curve)
     inertia_ratio, radius = inertia_of(spin)
@@ -56,31 +60,52 @@ def settle(
         wait = 2.0 * opening / (force * lost)
         if not abs(jerk) * wait < STEADY * force:  # nan without losses
             return s
+        if spin is None and params.tangential_loss > 0.0:
+            # the force changes with the velocity along the bar, which the impacts take away
+            if not abs(force - normal_force(forces, d, 0.0, curve)) < STEADY * force:
+                return s
         arm = inertia_ratio * radius
         pull = pull_bound(limits, params.gravity, params.half_length, abs(rate), arm, curve)
-        curvature = support_curvature(limits, params.gravity, abs(d), abs(rate), pull, arm, curve)
+        fastest = abs(rate) + wait * pull
+        curvature = support_curvature(limits, params.gravity, abs(d) + wait * fastest, fastest, pull, arm, curve)
         if not (abs(jerk) + 0.5 * curvature * wait) * wait < STEADY * force:
             return s
         if softening is not None:
             if softening.exponent * normal > _EVEN * lost * softening.speed:
                 return s
         if friction is not None:
-            if wait * (abs(tangent) + abs(state.spin)) > _BLUR:
+            if scatter is None and wait * (abs(tangent) + abs(state.spin)) > _BLUR:
                 return s
         # accumulation time, with the first correction for a changing effective gravity
         wait *= 1.0 - 2.0 / 3.0 * jerk * opening / (lost * force * force)
         if s + wait >= end:
             return s
     state.resting = True
-    # between impacts the ball is pulled along the bar as a free, or in the mean a rolling, one
-    pull = gripping(forces_at(frame_at(piece, s + 0.5 * wait), params.gravity), d, rate, inertia_ratio, radius, curve)
+    middle = forces_at(frame_at(piece, s + 0.5 * wait), params.gravity)
     if friction is not None:
-        state.d, state.rate = d + rate * wait, rate
-    elif spin is None and params.tangential_loss > 0.0:
+        after = rate
+        if scatter is not None:
+            # roughness keeps a ball that moves along the bar bouncing: what is left acts as one impact of its impulse
+            sigma, surface_spin = steepness(d, curve), 0.0
+            if spin is not None:
+                surface_spin = state.spin - radius * frame.tilt[1]
+            impulse = force * wait / sigma - normal
+            pulled = tangent + sigma * gripping(middle, d, rate, 0.0, 0.0, curve) * wait
+            _, tangent, surface_spin = collide(
+                -impulse / (1.0 + alpha), pulled, surface_spin, alpha, params.tangential_loss, spin, friction
+            )
+            if spin is not None:
+                state.spin = surface_spin + radius * frame.tilt[1]
+            after = tangent / sigma
+        state.d, state.rate = d + 0.5 * (rate + after) * wait, after
+        return s + wait
+    # between impacts the ball is pulled along the bar as a free, or in the mean a rolling, one
+    pull = gripping(middle, d, rate, inertia_ratio, radius, curve)
+    if spin is None and params.tangential_loss > 0.0:
         # flights of 2 W alpha^k / M, and (1 - c) of the velocity kept at each of infinitely many impacts
         first = 2.0 * opening / force
         kept = alpha * (1.0 - params.tangential_loss)
-        drift = rate / (1.0 - kept) + pull * first / (1.0 - alpha * alpha) * (0.5 + kept / (1.0 - kept))
+        drift = rate / (1.0 - kept) + pull * wait / (1.0 + alpha) * (0.5 + kept / (1.0 - kept))
         state.d, state.rate = d + drift * first, 0.0
     else:
         state.d, state.rate = d + (rate + 0.5 * pull * wait) * wait, rate + pull * wait

@@ -36,8 +36,8 @@ def _sampled(piece, s, frame, end, gap_0, rx, rz, u, w, gravity, curve, textbook
         value, _, _ = gap(piece, s, frame, after, gap_0, rx, rz, u, w, gravity, curve)
         if value <= 0.0:
             break
-        if s + after >= end:
-            return False, end - s
+        if after == end - s:  # s + (end - s) may be rounded to less than the end
+            return False, after
         before = after
     for _ in range(_HALVINGS):
         middle = 0.5 * (before + after)
@@ -46,7 +46,7 @@ def _sampled(piece, s, frame, end, gap_0, rx, rz, u, w, gravity, curve, textbook
             before = middle
         else:
             after = middle
-    return True, after
+    return s + after < end, after
 
 
 @kernel

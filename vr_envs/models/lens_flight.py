@@ -14,8 +14,7 @@ from typing import NamedTuple
 
 from vr_envs.models.jit import kernel
 from vr_envs.models.phasor import cos_sin
-from vr_envs.models.rest import UNDECIDED
-from vr_envs.models.root import MAX_MARCH, TIME_RESOLUTION, certified_step, converged
+from vr_envs.models.root import MAX_MARCH, TIME_RESOLUTION, UNDECIDED, certified_step, converged
 
 
 class _Flight(NamedTuple):

@@ -21,7 +21,7 @@ def carry(piece, limits, s, end, gravity, d, curve):
     Returns UNDECIDED if the search does not end.
     """
     curvature = support_curvature(limits, gravity, abs(d), 0.0, 0.0, 0.0, curve)
-    for _ in range(MAX_MARCH):
+    for _ in range(100 * MAX_MARCH):  # steps are short where a motion has a high frequency of its own
         force, slope = support(frame_at(piece, s), gravity, d, 0.0, 0.0, curve)
         if force <= 0.0:
             return s

@@ -39,7 +39,7 @@ class Painter:
         self.canvas = Canvas()
         self._window: Window | None = None
         if render_mode == "human":
-            from vr_envs.envs.base import ScalarEnv
+            from vr_envs.envs.scalar import ScalarEnv
 
             self._window = Window(self.TITLE, ScalarEnv.metadata["render_fps"])
 
