@@ -30,6 +30,7 @@ HEIGHT = 0.002  # m, of a ball at the start
 
 STILL = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 SINK = (0.4, 0.0, 0.5, 0.0, 0.0, 0.0)  # peak accelerations 4 m/s^2, 50 rad/s^2, 8 m/s^2; tilt phase +pi/2: Bell's sink
+HIGH = (0.4, 0.0, 0.5, 0.0, 0.5, 0.0)  # z at 10 m/s^2: a ball with every loss still bounces
 PLAIN: dict[str, Any] = {"scatter": None}
 WIDE = {"half_length": 0.07}  # Bell's is 0.025 m: the ball stays longer, and a lens is nowhere steeper than 45 degrees
 
@@ -40,7 +41,7 @@ SCENES: dict[str, tuple[Mapping[str, Any], tuple[float, ...]]] = {
     "bell": ({"base": "bell"}, SINK),
     "rolling": ({"base": "rolling"} | WIDE, SINK),
     "lens": ({"base": "lens"}, SINK),
-    "everything": ({name: True for name in OPTIONS if name not in ("camera", "textbook")}, SINK),
+    "everything": ({name: True for name in OPTIONS if name not in ("camera", "textbook")}, HIGH),
 }
 """Name -> what the scene changes, and the constant action."""
 

@@ -6,8 +6,18 @@ import math
 
 from vr_envs.models.jit import kernel
 from vr_envs.models.root import MAX_MARCH, TIME_RESOLUTION, UNDECIDED, certified_step, converged
-from vr_envs.models.support import flight_support
-from vr_envs.models.surface import bend, clear_level, contact_at, gap, gap_at, gap_bounds, high_flight, opening
+from vr_envs.models.support import flight_support, forces_at, normal_force
+from vr_envs.models.surface import (
+    bend,
+    clear_level,
+    contact_at,
+    gap,
+    gap_at,
+    gap_bounds,
+    high_flight,
+    opening,
+    steepness,
+)
 
 AIRBORNE, BOUNCED, RELEASED = 0, 1, 2  # how a flight begins
 _HALVINGS = 60  # of a sampling interval: below the resolution of time
@@ -40,6 +50,20 @@ def _sampled(piece, s, frame, end, gap_0, rx, rz, u, w, gravity, curve, textbook
 
 
 @kernel
+def bend_at(frame, gravity, at, rx, u, curve):
+    """Second derivative of the gap of a ball that leaves the surface at the `Contact` `at`."""
+    if curve is None:
+        f = frame
+        return bend(gravity, f.x[2], f.tilt[2], f.z[2], u - f.x[1], f.tilt[1], rx, f.sin / f.cos)
+    else:
+        # -M for a ball with this p' (support.py), and the turn of the velocity with which the gap opens
+        slope, sigma = curve.curvature * at.d, steepness(at.d, curve)
+        rate = (at.tangent - slope * at.normal) / sigma
+        force = normal_force(forces_at(frame, gravity), at.d, rate, curve)
+        return 2.0 * slope * frame.tilt[1] * at.normal * sigma - force
+
+
+@kernel
 def flight(piece, limits, tan, s, frame, end, x, z, u, w, gravity, contact, curve, textbook):
     """First contact of a flight from time s: (hit, duration), the duration UNDECIDED if the search does not end.
 
@@ -62,11 +86,7 @@ def flight(piece, limits, tan, s, frame, end, x, z, u, w, gravity, contact, curv
         if slope < 0.0:
             ds = min(ds, (6e-14 / -slope) ** (1.0 / 3.0))
     elif gap_0 <= 0.0:
-        if curve is None:
-            f = frame
-            second = bend(gravity, f.x[2], f.tilt[2], f.z[2], u - f.x[1], f.tilt[1], rx, f.sin / f.cos)
-        else:
-            _, _, second = gap(piece, s, frame, 0.0, 0.0, rx, rz, u, w, gravity, curve)
+        second = bend_at(frame, gravity, at, rx, u, curve)
         gap_0, ds = 0.0, certified_step(0.0, opening(at, frame, curve), second, jerk, curvature)
     if contact != RELEASED:
         level = clear_level(limits, tan, rx, rz, u, w, end - s, gravity, curve)
