@@ -18,8 +18,8 @@ help:  ## list the targets
 demo: $(VENV)/.installed  ## train an agent on the ball, judge it, draw it (SCENE=bell or rolling)
 	$(BIN)/python -m agents train configs/ball_on_bar/ppo.yaml --scene $(SCENE)
 
-test: $(VENV)/.installed-dev  ## run the test suite
-	$(BIN)/python -m pytest
+test: $(VENV)/.installed-dev  ## run the test suite, in two processes
+	$(BIN)/python -m pytest -n 2 --dist loadfile
 
 test-slow: $(VENV)/.installed-dev  ## run the tests that take minutes
 	$(BIN)/python -m pytest -m slow
