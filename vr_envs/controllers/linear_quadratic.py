@@ -29,8 +29,8 @@ class LinearQuadratic:
 
     The gain minimises the sum over cycles of (x / reward width)^2 + effort |deviation of the action|^2 for the
     linearised cycle map. With a motion held over a cycle the two impacts meet opposite tilts, so it is its changes that
-    kick the ball: the present motion is part of the state. Where there is no such gain (no period one, or nothing
-    that moves the ball along the bar) the law is the sink motion.
+    kick the ball: the present motion is part of the state. Where there is no such gain (no period one, nothing that
+    moves the ball along the bar, or actions every half cycle) the law is the sink motion.
     """
 
     TUNABLE: ClassVar[dict[str, tuple[float, float, float]]] = {

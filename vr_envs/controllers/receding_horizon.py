@@ -184,7 +184,7 @@ class RecedingHorizon:
     From the state seen, the exact model without scatter is followed over eight cycles; Riccati's recursion along that
     motion improves the actions, three times, within the box. The cost is -ln(reward) and an effort; what comes after
     the plan counts by the cost-to-go of the linear-quadratic law about Bell's sink motion, with half the range of x and
-    tilt. Where that law does not exist, this one is the sink motion.
+    tilt. Where that law does not exist, as with actions every half cycle, this one is the sink motion.
     """
 
     TUNABLE: ClassVar[dict[str, tuple[float, float, float]]] = {}

@@ -33,8 +33,8 @@ class VerticalDeadBeat(BellSink):
     An impact launches the ball at v+ = (1 + alpha) U + alpha |v-|, U the bar's velocity. Both parts of z in the next
     two base cycles, four impacts, are chosen so that the ball then has the height and velocity of the period-one
     orbit of the exact map's linearisation, with the smallest change of the motion; in one cycle it would take far
-    more than the bar has. The first action of that plan is taken, and the plan made anew. Without a range of z, or
-    where that orbit does not exist, it is the sink motion alone.
+    more than the bar has. The first action of that plan is taken, and the plan made anew. Without a range of z,
+    where that orbit does not exist, or with actions every half cycle, it is the sink motion alone.
     """
 
     def __init__(self, scene: Scene, **gains: float) -> None:
