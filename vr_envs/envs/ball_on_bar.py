@@ -48,6 +48,8 @@ class State(BallState):
 def start(state, params, scatter, spin, friction, softening, curve, frequencies, ramp, sensing, camera, textbook):
     """Ball displaced along the bar, on the vertical period-one orbit of the bar's motion at action 0.
 
+    It is the orbit of a constant restitution and of z at twice the base frequency.
+
     Impacts happen at the phase phi of sin(2 omega t + pi/2) with cos(phi) = pi g (1 - alpha)/(1 + alpha)/Acc; below
     the smallest acceleration at which the orbit exists the nearest phase, 0, is taken.
     """

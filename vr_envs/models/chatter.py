@@ -40,8 +40,9 @@ def settle(
     """After an impact: put the ball to rest if, in the time that the chatter will take, the force hardly changes.
 
     `contact` is where it was, `normal` and `tangent` the velocities with which the ball leaves it. The bound on the
-    change is certified, so the bar cannot fall away during the chatter. Returns the time, which has moved on if the
-    ball has come to rest.
+    change is certified, so the bar cannot fall away during the chatter. With scatter the sum has the mean restitution
+    and the smooth normal; a deviated one would keep a ball that moves along the bar bouncing a little longer. Returns
+    the time, which has moved on if the ball has come to rest.
     """
     d = contact.d
     opening, rate = normal * steepness(d, curve), tangent / steepness(d, curve)
