@@ -149,7 +149,9 @@ class _Strip(ast.NodeTransformer):
         if ast.get_docstring(node) is not None:
             node.body = node.body[1:]
         node.args.args = [a for a in node.args.args if a.arg not in self.absent]
-        return self.generic_visit(node)
+        self.generic_visit(node)
+        node.body = node.body or [ast.Pass()]  # a kernel for an option alone
+        return node
 
     def visit_ClassDef(self, node: ast.ClassDef) -> ast.AST:
         dropped = set(_fields(node)) & set(self.absent)

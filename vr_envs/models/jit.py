@@ -16,12 +16,6 @@ from typing import Any
 
 import numba
 from numba.core.caching import FunctionCache, IndexDataCacheFile
-from numba.core.errors import NumbaExperimentalFeatureWarning
-
-# A task's state begins with the model's: a kernel compiled for the one may serve the other, which is meant.
-warnings.filterwarnings(
-    "ignore", "Record.*has been considered a subtype", NumbaExperimentalFeatureWarning, module=r"vr_envs\."
-)
 
 PACKAGE = Path(__file__).resolve().parent.parent
 KERNEL_FOLDERS = ("models", "envs")

@@ -43,10 +43,13 @@ def _kind(field: dataclasses.Field[Any]) -> str:
 
 @cache
 def dtype_of(cls: type) -> np.dtype[Any]:
-    """Aligned structured dtype of a record class: its numeric fields, then the names in `DERIVED`."""
-    columns: list[Any] = [
-        (f.name, _NUMPY_TYPES[_kind(f)], f.metadata["shape"]) for f in dataclasses.fields(cls) if _kind(f) != "str"
-    ]
+    """Aligned structured dtype of a record class: its own numeric fields, inherited ones, the names in `DERIVED`.
+
+    A record that began as its base class does would be a subtype of it to Numba, which warns of that.
+    """
+    own = cls.__dict__.get("__annotations__", {})
+    fields = sorted((f for f in dataclasses.fields(cls) if _kind(f) != "str"), key=lambda f: f.name not in own)
+    columns: list[Any] = [(f.name, _NUMPY_TYPES[_kind(f)], f.metadata["shape"]) for f in fields]
     columns += [(name, "f8") for name in getattr(cls, "DERIVED", ())]
     return np.dtype(columns, align=True)
 
