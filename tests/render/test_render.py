@@ -205,3 +205,16 @@ def test_a_missing_package_says_what_to_install(module, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, module, None)
     with pytest.raises(ImportError, match=rf"{module}.*pip install '\.\[render\]' in a clone"):
         painter("ball_on_bar", resolve(task_of("BallOnBar-v0"), None), "rgb_array")
+
+
+@pytest.mark.parametrize("curvature", [-40.0, 40.0])
+def test_a_steep_bar_hides_neither_the_heading_nor_the_panels(curvature):
+    name = "ball_on_bar"
+    pictures = []
+    for scene in ({"curve": {"curvature": curvature}}, {}):
+        resolved = resolve(task_of("BallOnBar-v0"), scene)
+        state = episode_of("BallOnBar-v0", scene, "do-nothing", 1)[1][0]
+        pictures.append(painter(name, resolved, "rgb_array").draw(state))
+    steep, flat = pictures
+    assert (steep[:36, :200] == flat[:36, :200]).all()
+    assert (steep[300:] == flat[300:]).all()

@@ -18,7 +18,7 @@ class Design:
     """The scene's cycle map in the units of observations and actions.
 
     A law sees the state s: the ball (x, u, z, w, and spin where there is one), then the present motion (6). What
-    has no differentiable map of one cycle (scatter, frequencies of their own, ramps, sensing) is left out of it.
+    has no differentiable map of one cycle (scatter, frequencies of their own, ramps), and a sensor, is left out of it.
     """
 
     def __init__(self, scene: Scene) -> None:

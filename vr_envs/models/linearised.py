@@ -19,8 +19,11 @@ from vr_envs.models.ball_options import OPTIONS
 from vr_envs.models.jit import kernel
 from vr_envs.models.record import dtype_of
 
-LEFT_OUT = ("scatter", "frequencies", "ramp", "sensing", "textbook")
-"""Options without which the map is considered: with them it is random, another one in each cycle, or sampled."""
+LEFT_OUT = ("scatter", "frequencies", "ramp", "sensing", "camera", "textbook")
+"""Options without which the map is considered: it would be random, another one in each cycle, or sampled.
+
+A sensor leaves the map as it is.
+"""
 
 STEP = 1e-2  # of the coarsest difference, in units of `CycleMap.scales`
 HALVINGS = 12  # of that step, until no perturbed ball has another number of impacts

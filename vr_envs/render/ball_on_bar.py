@@ -41,6 +41,7 @@ if TYPE_CHECKING:
 BAR_LEVEL = 232.0  # point of the bar's mean height
 BALL = 8.0  # points, radius; the ball's lowest point is the model's ball
 TOP = 40.0  # point below which the scene begins
+SCENE = Box(0.0, TOP, WIDTH, BAR_LEVEL + 40.0 - TOP)  # what is drawn to scale stays in it
 HEADROOM = 165.0  # points for twice the height of the period-one bounce
 TRAIL_CYCLES, TRAIL_PARTS = 4.0, 24
 CHART_SPAN = 10.0  # s
@@ -208,17 +209,18 @@ class BallOnBarPainter(Painter):
         ]
         (x0, y0), (x1, y1) = surface[0], surface[-1]
         below = 8.0 if curvature <= 0.0 else 8.0 + max(y for _, y in surface) - max(y0, y1)
-        self.canvas.polygon([*surface, (x1, y1 + below), (x0, y0 + below)], BLUE)
-        self.canvas.line(surface, mix(BLUE, INK, 0.45), 1.6)
-        x, y = self.view(bar.x[0], bar.z[0])
-        self.canvas.polygon([(x, y + 10.0), (x - 6.0, y + 20.0), (x + 6.0, y + 20.0)], BLUE)
+        with self.canvas.inside(SCENE):
+            self.canvas.polygon([*surface, (x1, y1 + below), (x0, y0 + below)], BLUE)
+            self.canvas.line(surface, mix(BLUE, INK, 0.45), 1.6)
+            x, y = self.view(bar.x[0], bar.z[0])
+            self.canvas.polygon([(x, y + 10.0), (x - 6.0, y + 20.0), (x + 6.0, y + 20.0)], BLUE)
 
     def _path(self, now: float) -> None:
         """The ball's path in the last cycles, fading."""
         rows = self._trail.table()
         points = [(x, y - BALL) for x, y in (self.view(x, z) for x, z in rows[:, 1:])]
         age = (now - rows[:, 0]) / self._trail.span
-        with self.canvas.inside(Box(0.0, TOP, WIDTH, BAR_LEVEL + 40.0 - TOP)):
+        with self.canvas.inside(SCENE):
             for a, b, old in zip(points[:-1], points[1:], age, strict=False):
                 self.canvas.line([a, b], mix(PALE_ORANGE, PAPER, old), 2.0)
 
@@ -229,8 +231,9 @@ class BallOnBarPainter(Painter):
             self.canvas.polygon([(x, TOP + 2.0), (x - 7.0, TOP + 14.0), (x + 7.0, TOP + 14.0)], colour)
             self.canvas.text(f"{1e3 * ball['z']:.1f} mm up", (x, TOP + 22.0), colour, SMALL, "centre")
             return
-        self.canvas.disc((x, y - BALL), BALL, colour)
-        self.canvas.disc((x - 2.5, y - BALL - 2.5), 2.2, mix(colour, PANEL, 0.55))
+        with self.canvas.inside(SCENE):
+            self.canvas.disc((x, y - BALL), BALL, colour)
+            self.canvas.disc((x - 2.5, y - BALL - 2.5), 2.2, mix(colour, PANEL, 0.55))
 
     def _dials(self, moment: Moment) -> None:
         """Phasors: the horizontal part of an arrow is the displacement now; z turns twice as fast."""
