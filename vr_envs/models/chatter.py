@@ -48,8 +48,8 @@ def settle(
     force = normal_force(forces_at(frame, params.gravity), d, rate, curve)
     alpha = mean_restitution(params.restitution, scatter)
     lost = 1.0 - alpha
-    if force <= 0.0 or 1.8 * opening > (end - s) * force * lost:  # most impacts: the chatter would not end in time
-        return s
+    if force <= 0.0 or normal > STILL and 1.8 * opening > (end - s) * force * lost:
+        return s  # most impacts: the chatter would not end in time
     _, jerk = flight_support(frame, params.gravity, d, tangent, curve)
     inertia_ratio, radius = inertia_of(spin)
     wait = 0.0
