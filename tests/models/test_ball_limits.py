@@ -115,3 +115,32 @@ def test_a_ball_that_flies_off_a_convex_bar_is_lost():
     for _ in range(4):
         advance(state, np.zeros(6), params, *options)
     assert state["lost"] and not state["fault"] and state["x"] < 1.0
+
+
+@pytest.mark.parametrize("excess", [0.0, 2e-15, 1e-11])
+@pytest.mark.parametrize("options", [{}, {"spin": True}, {"friction": True}, {"curve": {"curvature": 5.0}}])
+def test_a_bar_that_just_reaches_free_fall_is_no_fault(options, excess):
+    """The supporting force has a double root at the crest, where the base cycle ends."""
+    scene = {"scatter": None, "restitution": 0.0, "z_acceleration": 9.81 + excess, **options}
+    params, records = resolve(TASK, scene).records()
+    state = np.zeros((), dtype_of(TASK.state))[()]
+    state["z"], state["motion"][4] = 0.002, (9.81 + excess) / (60.0 * np.pi) ** 2
+    for _ in range(40):
+        advance(state, np.zeros(6), params, *records)
+        state["steps"] += 1
+    assert not state["fault"] and abs(state["x"]) < 1e-12
+
+
+def test_a_ball_that_may_slip_as_it_leaves_goes_on():
+    """Force and grip vanish together; the search for the end of the grip once stood still there."""
+    scene = {
+        "gravity": 0.9322519888194638, "restitution": 0.0, "start_max": 0.002, "start_min": 0.0, "scatter": None,
+        "spin": True, "friction": True, "curve": {"curvature": 20.0},
+    }  # fmt: skip
+    params, records = resolve(TASK, scene).records()
+    state = np.zeros((), dtype_of(TASK.state))[()]
+    state["x"], state["z"], state["u"] = -6.188767145798984e-06, 0.0008265436961189614, -0.0003511591072491478
+    state["w"], state["spin"] = 0.00023165315844544607, -0.0003151586356481081
+    state["motion"][4], state["steps"] = 0.00022515818587186178, 7
+    advance(state, np.zeros(6), params, *records)
+    assert not state["fault"] and not state["resting"] and state["impacts"] == 1

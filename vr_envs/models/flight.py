@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from vr_envs.models.jit import kernel
+from vr_envs.models.rolling import STILL
 from vr_envs.models.root import MAX_MARCH, TIME_RESOLUTION, UNDECIDED, certified_step, converged
 from vr_envs.models.support import flight_support, forces_at, normal_force
 from vr_envs.models.surface import (
@@ -72,8 +73,12 @@ def flight(piece, limits, tan, s, frame, end, x, z, u, w, gravity, contact, curv
     """
     at = contact_at(frame, x, z, u, w, curve)
     rx, rz = x - frame.x[0], z - frame.z[0]
-    gap_0 = 0.0 if contact != AIRBORNE else gap_at(frame, x, z, curve)
-    if gap_0 <= 0.0 and contact != RELEASED and at.normal <= 0.0:
+    gap_0, slowest = 0.0, 0.0
+    if contact == AIRBORNE:  # cut off by the end of a piece: where it hardly leaves the bar it begins as if released
+        gap_0, slowest = gap_at(frame, x, z, curve), STILL
+    elif contact == RELEASED:
+        slowest = -math.inf
+    if gap_0 <= 0.0 and at.normal <= slowest:
         return True, 0.0
     if textbook is not None:
         return _sampled(piece, s, frame, end, gap_0, rx, rz, u, w, gravity, curve, textbook)

@@ -31,6 +31,7 @@ MAX_PICARD = 60
 STILL = 1e-12  # m/s, velocity below which a supported ball is at rest, or a touching one does not slip
 _PARTS = 32  # rolling steps per base cycle at least: 1e-15 relative for the third harmonic
 _HALVINGS = 55  # of a step: below the resolution of time
+_MOMENT = 1e-7  # of the longest step of a ball that grips and slides
 
 
 def _collocation() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -168,7 +169,11 @@ def _go_on(piece, s, h, d, rate, rim, direction, gravity, sticks, spin, friction
     """A step of a ball that grips (direction 0) or slides: (d, rate, rim)."""
     if direction == 0.0 and sticks:
         return d, 0.0, rim
-    return _roll_step(piece, s, h, d, rate, rim, direction, gravity, spin, friction, curve)
+    d, rate, rim = _roll_step(piece, s, h, d, rate, rim, direction, gravity, spin, friction, curve)
+    if spin is not None:
+        if direction == 0.0:
+            rim = steepness(d, curve) * rate + spin.radius * frame_at(piece, s + h).tilt[1]
+    return d, rate, rim
 
 
 @kernel
@@ -197,11 +202,8 @@ def grip_or_slip(piece, s, end, d, rate, rim, gravity, half_length, sticks, spin
         frame = frame_at(piece, s)
         forces = forces_at(frame, gravity)
         force = normal_force(forces, d, rate, curve)
-        if direction == 0.0:
-            if sticks:
-                rate = 0.0
-            elif spin is not None:
-                rim = steepness(d, curve) * rate + radius * frame.tilt[1]
+        if direction == 0.0 and sticks:
+            rate = 0.0
         if force <= 0.0 or abs(d) > half_length or s >= end:
             return s, d, rate, rim, force <= 0.0 and s < end
         if direction == 0.0:
@@ -221,6 +223,9 @@ def grip_or_slip(piece, s, end, d, rate, rim, gravity, half_length, sticks, spin
                     free = middle
                 else:
                     h, after = middle, trial
+            if s + h == s:  # on the verge of gripping, or of leaving: which it is shows a moment later
+                h = min(_MOMENT * longest, end - s)
+                after = _go_on(piece, s, h, d, rate, rim, direction, gravity, sticks, spin, friction, curve)
             frame = frame_at(piece, s + h)
             if direction == 0.0:
                 need = grip_force(forces_at(frame, gravity), after[0], after[1], inertia_ratio, radius, sticks, curve)
