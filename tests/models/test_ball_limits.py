@@ -144,3 +144,10 @@ def test_a_ball_that_may_slip_as_it_leaves_goes_on():
     state["motion"][4], state["steps"] = 0.00022515818587186178, 7
     advance(state, np.zeros(6), params, *records)
     assert not state["fault"] and not state["resting"] and state["impacts"] == 1
+
+
+def test_a_softened_ball_that_moves_along_a_rough_bar_comes_to_rest():
+    scene = {"base": "rolling", "friction": True, "half_length": 1.0, "softening": {"speed": 0.003, "exponent": 1.0}}
+    states = states_of(scene, 20, 40, lambda g: np.array([0.0, 0.0, 1.0, 0.0, -1.0, 0.0]) * g.uniform(0.0, 1.0))
+    assert not states["fault"].any()
+    assert states["impacts"].max() < 40 * 300

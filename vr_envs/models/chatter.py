@@ -72,7 +72,8 @@ def settle(
         if not (abs(jerk) + 0.5 * curvature * wait) * wait < STEADY * force:
             return s
         if softening is not None:
-            if softening.exponent * normal > _EVEN * lost * softening.speed:
+            even = _EVEN if scatter is None else STEADY
+            if softening.exponent * normal > even * lost * softening.speed:
                 return s
         if friction is not None:
             if scatter is None and wait * (abs(tangent) + abs(state.spin)) > _BLUR:
