@@ -159,6 +159,13 @@ def test_a_bar_too_slow_for_the_orbit_still_has_a_start(acceleration):
         ({"restitution": 1.2}, "restitution = 1.2"),
         ({"spin": {"radius": 0.0}}, "spin.radius = 0.0"),
         ({"spni": True}, "did you mean 'spin'"),
+        ({"hold": 0.75}, "hold = 0.75 cycles; give 0.5 or a whole number"),
+        ({"hold": 0.5, "blend": 0.6}, "give blend <= hold"),
+        ({"curve": {"curvature": 50.0}}, "steeper than 45 degrees; give at most 40 1/m"),
+        ({"sensing": {"delay": 0.07}}, "sensing looks 0.07 s before .* at most 0.06667 s"),
+        ({"camera": {"frame_rate": 10.0}}, "camera looks 0.102 s before"),
+        ({"camera": {"height": 10.0}}, "the ball at rest is not in the picture of 256 x 160 pixels"),
+        ({"camera": True, "sensing": True}, "sensing and camera exclude each other"),
     ],
 )
 def test_impossible_scenes_are_refused(scene, said):

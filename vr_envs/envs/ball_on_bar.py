@@ -127,14 +127,21 @@ def _validate(scene: Scene) -> None:
         raise ValueError(f"hold = {p.hold:g} cycles; give 0.5 or a whole number")
     if p.blend > p.hold:
         raise ValueError(f"blend = {p.blend:g} is longer than hold = {p.hold:g}; give blend <= hold")
-    curve = scene.options["curve"]
+    curve, camera = scene.options["curve"], scene.options["camera"]
     if curve is not None and abs(curve.curvature) * p.half_length > 1.0:
         raise ValueError(
             f"curve.curvature = {curve.curvature:g} 1/m at half_length = {p.half_length:g} m is steeper than 45 "
             f"degrees; give at most {1.0 / p.half_length:.4g} 1/m"
         )
     longest = min(1.0, p.hold) * p.period
-    age, _ = ages_of.py_func(scene.options["sensing"], scene.options["camera"])
+    if camera is not None:
+        tall, wide = (0.5 * n * camera.resolution - camera.ball_radius for n in (camera.rows, camera.columns))
+        if abs(camera.height) > tall or wide < 0.0:
+            raise ValueError(
+                f"camera: the ball at rest is not in the picture of {camera.columns} x {camera.rows} pixels of "
+                f"{camera.resolution:g} m at height = {camera.height:g} m; give more pixels, or a smaller height"
+            )
+    age, _ = ages_of.py_func(scene.options["sensing"], camera)
     if age > longest:
         raise ValueError(
             f"{scene.observation} looks {age:.4g} s before the observation; give a delay (or a latency and the time "

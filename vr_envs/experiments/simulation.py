@@ -226,6 +226,10 @@ def _records(params: Params, options: Mapping[str, Any] | None) -> tuple[np.void
         raise ValueError(
             f"params.hold = {params.hold:g} is not allowed here; give 1 or 0.5, and a motion for each interval"
         )
+    if params.blend > params.hold:
+        raise ValueError(
+            f"params.blend = {params.blend:g} is longer than params.hold = {params.hold:g}; give at most that"
+        )
     records = (given.get(name) for name in OPTIONS)
     return pack(params), tuple(None if option is None else pack(option) for option in records)
 
