@@ -42,7 +42,7 @@ BAR_LEVEL = 232.0  # point of the bar's mean height
 BALL = 8.0  # points, radius; the ball's lowest point is the model's ball
 TOP = 40.0  # point below which the scene begins
 SCENE = Box(0.0, TOP, WIDTH, BAR_LEVEL + 40.0 - TOP)  # what is drawn to scale stays in it
-HEADROOM = 165.0  # points for twice the height of the period-one bounce
+HEADROOM = 165.0  # points for twice the height of the period-one bounce, and the sag of a curved bar
 TRAIL_CYCLES, TRAIL_PARTS = 4.0, 24
 CHART_SPAN = 10.0  # s
 CURVE_POINTS = 33
@@ -70,7 +70,9 @@ class BallOnBarPainter(Painter):
         p = scene.params
         x_scale = 0.5 * (WIDTH - 4 * MARGIN) / p.half_length
         bounce = p.gravity * p.period**2 / 32.0  # height of a flight of half a base cycle
-        self.magnification = 1.0 / nice_step(2.0 * bounce * x_scale / HEADROOM)
+        curve = scene.options["curve"]
+        sag = 0.0 if curve is None else 0.5 * abs(curve.curvature) * p.half_length**2
+        self.magnification = 1.0 / nice_step((2.0 * bounce + sag) * x_scale / HEADROOM)
         self.view = View((0.5 * WIDTH, BAR_LEVEL), x_scale, self.magnification * x_scale)
         self.interval = p.hold * p.period
         self._forget()
