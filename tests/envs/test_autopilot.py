@@ -140,7 +140,7 @@ def test_leaving_the_envelope_ends_the_episode_without_reward(action, start, lim
 
 
 def test_bad_constant_actions_end_registered_episodes_early_and_good_ones_do_not() -> None:
-    env = gym.make_vec("vr_envs/Autopilot-v0", num_envs=64)
+    env = gym.make_vec("vr_envs/Autopilot-v1", num_envs=64)
     env.reset(seed=0)
     ends = np.zeros((2, 64), bool)
     for _ in range(480):

@@ -35,7 +35,7 @@ CASES = [(id, scene) for id in IDS for scene in scenes_of(id)]
 
 # one scene of every id in which random actions end episodes long before the time limit, and not always
 PERILOUS = {
-    "vr_envs/Autopilot-v0": {"altitude_low": 20.0, "altitude_high": 100.0, "speed_low": 62.0, "speed_high": 80.0},
+    "vr_envs/Autopilot-v1": {"altitude_low": 20.0, "altitude_high": 100.0, "speed_low": 62.0, "speed_high": 80.0},
     "vr_envs/BallOnBar-v0": {"restitution": 0.8},
     "vr_envs/TerrainRide-v0": {"road": {"iso_class": "E"}},
 }

@@ -77,8 +77,8 @@ def test_the_ends_of_every_range_are_finite_rides_or_refused(env_id, preset):
     ("env_id", "scene"),
     [
         ("vr_envs/TerrainRide-v0", {"actuation": "active", "force": 0.0}),
-        ("vr_envs/Autopilot-v0", {"altitude_low": 0.0, "altitude_high": 0.0, "ceiling": 0.0}),
-        ("vr_envs/Autopilot-v0", dict.fromkeys(("stall_speed", "speed_low", "speed_high", "top_speed"), 100.0)),
+        ("vr_envs/Autopilot-v1", {"altitude_low": 0.0, "altitude_high": 0.0, "ceiling": 0.0}),
+        ("vr_envs/Autopilot-v1", dict.fromkeys(("stall_speed", "speed_low", "speed_high", "top_speed"), 100.0)),
     ],
 )
 def test_a_span_of_nothing_is_refused(env_id, scene):

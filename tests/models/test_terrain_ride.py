@@ -5,8 +5,11 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from vr_envs.models.record import dtype_of, pack
-from vr_envs.models.terrain import Bumps, Road, Undulation, start_road, start_undulation, wave
-from vr_envs.models.terrain_ride import CONTROL_INTERVAL, ActuatorLag, Params, State, advance, ride, suspension
+from vr_envs.models.ride_options import ActuatorLag
+from vr_envs.models.road import start_road
+from vr_envs.models.road_options import Bumps, Road
+from vr_envs.models.terrain import Undulation, start_undulation, wave
+from vr_envs.models.terrain_ride import CONTROL_INTERVAL, Params, State, advance, ride, suspension
 from vr_envs.models.travel_stop import TravelStop
 
 STEPS = 1000

@@ -15,7 +15,7 @@ def add(commands: Any) -> None:
         "evaluate",
         "roll the policies that need no training out on held-out scenarios",
         "  vr-envs evaluate BallOnBar-v0\n"
-        "  vr-envs evaluate Autopilot-v0 --scene lecture --level all --json autopilot.json\n"
+        "  vr-envs evaluate Autopilot-v1 --scene lecture --level all --json autopilot.json\n"
         "  vr-envs evaluate TerrainRide-v0 --policies do-nothing,random --scenarios 500\n"
         "  vr-envs evaluate BallOnBar-v0 --engine rigid_body --scenarios 20",
     )

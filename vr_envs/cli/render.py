@@ -27,7 +27,7 @@ def add(commands: Any) -> None:
         "draw one episode of a policy that needs no training",
         "  vr-envs render BallOnBar-v0\n"
         "  vr-envs render BallOnBar-v0 --seconds 1 --between 40 --out impacts.mp4\n"
-        "  vr-envs render Autopilot-v0 --policy random --scenario 7 --out flight.mp4\n"
+        "  vr-envs render Autopilot-v1 --policy random --scenario 7 --out flight.mp4\n"
         "  vr-envs render TerrainRide-v0 --scene lecture --seconds 2 --out ride.png",
     )
     parser.add_argument("id", help="an environment id; prefix and version may be left out")

@@ -15,7 +15,7 @@ def add(commands: Any) -> None:
         "tune",
         "search better gains for the analytic laws and the best constant action, and store them with the package",
         "  vr-envs tune BallOnBar-v0\n"
-        "  vr-envs tune Autopilot-v0 --scene lecture --policy best-constant --evaluations 400",
+        "  vr-envs tune Autopilot-v1 --scene lecture --policy best-constant --evaluations 400",
     )
     parser.add_argument("id", help="an environment id; prefix and version may be left out")
     parser.add_argument("--scene", metavar="NAME", help="a preset; default: the environment's default scene")

@@ -9,12 +9,15 @@ import numpy as np
 
 from vr_envs.envs.autopilot_demands import START_DRAWS, Demands, DemandState, change_demands, move_demands
 from vr_envs.envs.autopilot_observation import BAND, channels, error, observe
+from vr_envs.envs.autopilot_plan import Plan
+from vr_envs.envs.autopilot_sensing import Sensing
 from vr_envs.envs.batch import BatchEnv
 from vr_envs.envs.scalar import ScalarEnv
 from vr_envs.envs.scene import Scene
 from vr_envs.envs.task import Channel, Task
 from vr_envs.models import autopilot as model
 from vr_envs.models.autopilot import left_envelope
+from vr_envs.models.autopilot_options import OPTIONS
 from vr_envs.models.jit import kernel
 from vr_envs.models.noise import normal_pair, uniform
 from vr_envs.models.record import quantity
@@ -39,7 +42,10 @@ class State(DemandState):
 
 
 @kernel
-def start(state, params, envelope, energy, lags, gust, track, demands):  # type: ignore[no-untyped-def]
+def start(
+    state, params, envelope, energy, lags, atmosphere, wind, shear, turbulence, track, textbook, demands, plan,
+    sensing,
+):  # type: ignore[no-untyped-def]  # fmt: skip
     """Level flight somewhere in the operating range, at the demands or at once with new ones."""
     state.altitude = params.altitude_low + (params.altitude_high - params.altitude_low) * uniform(
         state.key, START_DRAWS
@@ -47,9 +53,9 @@ def start(state, params, envelope, energy, lags, gust, track, demands):  # type:
     state.speed = params.speed_low + (params.speed_high - params.speed_low) * uniform(state.key, START_DRAWS + 1)
     state.heading = math.pi * (2.0 * uniform(state.key, START_DRAWS + 2) - 1.0)
     state.demand[0], state.demand[1], state.demand[2] = state.altitude, state.speed, state.heading
-    if gust is not None:
+    if turbulence is not None:
         vertical, along = normal_pair(state.key, START_DRAWS // 2 + 2)
-        state.gust_vertical, state.gust_along = gust.vertical * vertical, gust.along * along
+        state.gust_vertical, state.gust_along = turbulence.sigma * vertical, turbulence.sigma * along
     if track is not None:
         state.x, state.z = track.x, track.z
     if demands is not None:
@@ -57,15 +63,21 @@ def start(state, params, envelope, energy, lags, gust, track, demands):  # type:
 
 
 @kernel
-def advance(state, action, params, envelope, energy, lags, gust, track, demands):  # type: ignore[no-untyped-def]
+def advance(
+    state, action, params, envelope, energy, lags, atmosphere, wind, shear, turbulence, track, textbook,
+    demands, plan, sensing,
+):  # type: ignore[no-untyped-def]  # fmt: skip
     """Aircraft and ramping demands over one control interval."""
-    model.advance(state, action, params, envelope, energy, lags, gust, track)
+    model.advance(state, action, params, envelope, energy, lags, atmosphere, wind, shear, turbulence, track, textbook)
     if demands is not None:
         move_demands(state, params)
 
 
 @kernel
-def outcome(state, action, params, envelope, energy, lags, gust, track, demands):  # type: ignore[no-untyped-def]
+def outcome(
+    state, action, params, envelope, energy, lags, atmosphere, wind, shear, turbulence, track, textbook,
+    demands, plan, sensing,
+):  # type: ignore[no-untyped-def]  # fmt: skip
     """Score the interval that has ended; then, when due, change the demands."""
     closeness, movement, inside = 0.0, 0.0, True
     for channel in range(3):
@@ -152,25 +164,18 @@ def _control_interval(scene: Scene) -> float:
 TASK = Task(
     name="autopilot",
     params=model.Params,
-    options={
-        "envelope": model.Envelope,
-        "energy": model.Energy,
-        "lags": model.Lags,
-        "gust": model.Gust,
-        "track": model.Track,
-        "demands": Demands,
-    },
+    options={**OPTIONS, "demands": Demands, "plan": Plan, "sensing": Sensing},
     state=State,
     scenes={
-        "airliner": {"envelope": True, "energy": True, "lags": True, "gust": True, "demands": True},
+        "airliner": {"envelope": True, "energy": True, "lags": True, "turbulence": True, "demands": True},
         "lecture": {"track": True, "demands": True},
     },
     default_scene="airliner",
     # scale of MIL-F-8785C: light turbulence is about 1.5 m/s, moderate 3 m/s
     levels={
         "nominal": {},
-        "light": {"gust": {"vertical": 1.5, "along": 0.5}},
-        "severe": {"gust": {"vertical": 3.0, "along": 1.0}},
+        "light": {"turbulence": {"wind_20ft": 7.7, "sigma": 1.5}},
+        "severe": {"turbulence": {"wind_20ft": 15.4, "sigma": 3.0}},
     },
     start=start,
     advance=advance,
@@ -181,6 +186,7 @@ TASK = Task(
     metrics=metrics,
     dt=_control_interval,
     validate=validate,
+    engines={"textbook": OPTIONS["textbook"]},
 )
 
 
@@ -250,6 +256,7 @@ class AutopilotEnv(ScalarEnv):
     - `render_mode`: None, "rgb_array" or "human".
 
     ## Version History
+    - v1: Dryden turbulence in place of first-order gusts; the ISA; limits renewed once per second of flight.
     - v0: first version.
     """
 

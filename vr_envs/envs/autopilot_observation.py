@@ -58,7 +58,10 @@ def _signed_log(error: float, channel: int) -> float:
 
 
 @kernel
-def observe(state, row, params, envelope, energy, lags, gust, track, demands):  # type: ignore[no-untyped-def]
+def observe(
+    state, row, params, envelope, energy, lags, atmosphere, wind, shear, turbulence, track, textbook, demands,
+    plan, sensing,
+):  # type: ignore[no-untyped-def]  # fmt: skip
     """Write the observation of a record into `row` (float32, 23 channels of `channels`)."""
     rates = (state.vertical_speed, state.acceleration, state.turn_rate)
     per_limit = (

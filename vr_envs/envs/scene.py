@@ -2,7 +2,8 @@
 
 A scene is JSON-able: `"bell"`, `{"restitution": 0.8}` (over the default preset) or
 `{"base": "bell", "scatter": None, "spin": True}`. An option is None (absent: compiled away), True (present with
-its defaults) or a dict of overrides of its fields. An engine other than the exact one is laid in like an option.
+its defaults), a dict of overrides of its fields, or, where its class can read files, the path of one. An engine other
+than the exact one is laid in like an option.
 """
 
 from __future__ import annotations
@@ -78,8 +79,11 @@ def _merge(task: Task, merged: dict[str, Any], overrides: Mapping[str, Any], whe
         elif value is True or isinstance(value, Mapping):
             earlier = merged.get(key) or {}
             merged[key] = {**earlier, **({} if value is True else value)}
+        elif isinstance(value, str) and hasattr(task.additions[key], "read"):
+            merged[key] = task.additions[key].read(value)
         else:
-            raise ValueError(f"{where}: option {key!r} = {value!r}; give null, true or a dict of its fields")
+            file = ", the path of a file" if hasattr(task.additions[key], "read") else ""
+            raise ValueError(f"{where}: option {key!r} = {value!r}; give null, true{file} or a dict of its fields")
 
 
 def _choose(kind: str, given: str | None, names: tuple[str, ...], merged: dict[str, Any], task: Task) -> str:
@@ -100,8 +104,8 @@ def _choose(kind: str, given: str | None, names: tuple[str, ...], merged: dict[s
 
 def _check_support(task: Task, scene: Scene) -> None:
     """Refuse an option that the engine of the scene does not know."""
-    if scene.engine in task.simulators:
-        known = task.simulators[scene.engine].OPTIONS
+    known = getattr(task.engines.get(scene.engine), "OPTIONS", None)
+    if known is not None:
         for name, record in scene.options.items():
             if record is not None and name not in known:
                 raise ValueError(
@@ -172,4 +176,6 @@ def _label(scene: Scene, preset: Scene) -> str:
 
 
 def _brief(value: Any) -> str:
+    if isinstance(value, tuple):
+        return f"{len(value)} numbers"
     return f"{value:g}" if isinstance(value, float) else str(value)

@@ -36,9 +36,9 @@ class Task:
     `observe(state, row, params, *options)`. A state has the fields `key` (u8) and `steps` (i8), kept by the caller.
 
     `engines` are the ways of moving a state other than the exact one, name -> record of settings. One that is also
-    an option of the kernels is theirs; another stands in place of `advance`, in `vr_envs.<engine>.<task name>`, and
-    its record names in the class attribute `OPTIONS` the options that it knows. `sensors` are the options by which
-    the state is observed otherwise than as it is; they exclude each other.
+    an option of the kernels is theirs; another stands in place of `advance`, in `vr_envs.<engine>.<task name>`. A
+    record that has the class attribute `OPTIONS` names there the options that the engine knows. `sensors` are the
+    options by which the state is observed otherwise than as it is; they exclude each other.
     """
 
     name: str

@@ -16,7 +16,10 @@ from vr_envs.models import terrain_ride as model
 from vr_envs.models.jit import kernel
 from vr_envs.models.noise import uniform
 from vr_envs.models.record import quantity
-from vr_envs.models.terrain import RING, Bumps, Road, Undulation, start_road, start_undulation
+from vr_envs.models.ride_options import ActuatorLag, Cruise, Payload, Textbook, Tyre
+from vr_envs.models.road import RING, start_road
+from vr_envs.models.road_options import Bumps, Obstacle, Profile, Road, Wheel
+from vr_envs.models.terrain import Undulation, start_undulation
 from vr_envs.models.travel_stop import TravelStop
 from vr_envs.models.weighting import MEMORY, weight
 
@@ -36,12 +39,15 @@ class State(model.State):
 
 
 @kernel
-def start(state, params, undulation, road, bumps, stop, payload, lag, preview, noise):  # type: ignore[no-untyped-def]
+def start(
+    state, params, undulation, road, profile, bumps, obstacle, wheel, tyre, stop, payload, lag, cruise,
+    preview, noise, textbook,
+):  # type: ignore[no-untyped-def]  # fmt: skip
     """The mass at rest where the spring balances the payload, actuators at mid-range."""
     if undulation is not None:
         start_undulation(state)
     if road is not None:
-        start_road(state, road, bumps)
+        start_road(state, road, profile, bumps, obstacle, wheel)
     if payload is not None:
         state.payload = payload.size * (2.0 * uniform(state.key, _PAYLOAD_DRAW) - 1.0)
     _, w2, push = model.suspension(state, params)
@@ -49,13 +55,21 @@ def start(state, params, undulation, road, bumps, stop, payload, lag, preview, n
 
 
 @kernel
-def advance(state, action, params, undulation, road, bumps, stop, payload, lag, preview, noise):  # type: ignore[no-untyped-def]
+def advance(
+    state, action, params, undulation, road, profile, bumps, obstacle, wheel, tyre, stop, payload, lag, cruise,
+    preview, noise, textbook,
+):  # type: ignore[no-untyped-def]  # fmt: skip
     """The ride over one control interval."""
-    model.advance(state, action, params, undulation, road, bumps, stop, lag)
+    model.advance(
+        state, action, params, undulation, road, profile, bumps, obstacle, wheel, tyre, stop, lag, cruise, textbook
+    )
 
 
 @kernel
-def outcome(state, action, params, undulation, road, bumps, stop, payload, lag, preview, noise):  # type: ignore[no-untyped-def]
+def outcome(
+    state, action, params, undulation, road, profile, bumps, obstacle, wheel, tyre, stop, payload, lag, cruise,
+    preview, noise, textbook,
+):  # type: ignore[no-untyped-def]  # fmt: skip
     """Score the interval that has ended: comfort and travel together, nothing in contact with a stop."""
     state.weighted = weight(state.weighting, state.acceleration)
     state.weighted_squares += state.weighted * state.weighted
@@ -138,12 +152,18 @@ TASK = Task(
     options={
         "undulation": Undulation,
         "road": Road,
+        "profile": Profile,
         "bumps": Bumps,
+        "obstacle": Obstacle,
+        "wheel": Wheel,
+        "tyre": Tyre,
         "stop": TravelStop,
-        "payload": model.Payload,
-        "lag": model.ActuatorLag,
+        "payload": Payload,
+        "lag": ActuatorLag,
+        "cruise": Cruise,
         "preview": Preview,
         "noise": SensorNoise,
+        "textbook": Textbook,
     },
     state=State,
     scenes={
@@ -173,6 +193,7 @@ TASK = Task(
     metrics=metrics,
     dt=_control_interval,
     validate=validate,
+    engines={"textbook": Textbook},
 )
 
 

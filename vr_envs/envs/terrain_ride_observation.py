@@ -13,7 +13,8 @@ from vr_envs.envs.task import Channel
 from vr_envs.models.jit import kernel
 from vr_envs.models.noise import uniform
 from vr_envs.models.record import quantity
-from vr_envs.models.terrain import place_on_road, road_height, undulation_ahead
+from vr_envs.models.road import place_on_road, road_height
+from vr_envs.models.terrain import undulation_ahead
 
 # What 1 stands for in an observation; everything is clipped at LIMIT times that.
 TRAVEL, RATE, ACCELERATION = 0.05, 0.5, 2.0  # m, m/s, m/s^2
@@ -50,7 +51,10 @@ def _error(state, sensor, deviation):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def observe(state, row, params, undulation, road, bumps, stop, payload, lag, preview, noise):  # type: ignore[no-untyped-def]
+def observe(
+    state, row, params, undulation, road, profile, bumps, obstacle, wheel, tyre, stop, payload, lag, cruise,
+    preview, noise, textbook,
+):  # type: ignore[no-untyped-def]  # fmt: skip
     """Write the observation of a record into `row` (float32, the channels of `channels`)."""
     travel, rate, velocity, acceleration = state.travel, state.travel_rate, state.velocity, state.acceleration
     if noise is not None:

@@ -11,16 +11,14 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from typing import ClassVar
 
+from vr_envs.models.autopilot_options import G
 from vr_envs.models.ground_track import turn_with_lags, uniform_turn
 from vr_envs.models.jit import kernel
 from vr_envs.models.lag import clamped_lag
 from vr_envs.models.noise import normal_pair
 from vr_envs.models.record import quantity
-from vr_envs.models.wind import gust_after, gust_integral
-
-G = 9.80665  # standard gravity [m/s^2]
+from vr_envs.models.wind import SCALE_LENGTH, gust_after, gust_integral
 
 
 @dataclasses.dataclass(frozen=True)
@@ -30,7 +28,7 @@ class Params:
     Rates: OpenAP, ADS-B statistics of B757-200 and A321. Accelerations: 2 ft/s^2, a civil comfort limit.
     """
 
-    dt: float = quantity(1.0, "s", "control interval", low=0.02, high=10.0)
+    dt: float = quantity(1.0, "s", "control interval", low=1e-3, high=10.0)
     climb: float = quantity(13.0, "m/s", "largest climb rate, at sea level", low=0.1, high=100.0)
     descent: float = quantity(10.0, "m/s", "largest descent rate", low=0.1, high=100.0)
     acceleration: float = quantity(0.6, "m/s^2", "largest acceleration", low=0.01, high=10.0)
@@ -43,61 +41,6 @@ class Params:
     stall_speed: float = quantity(60.0, "m/s", "airspeed below which the aircraft stalls", low=1.0, high=600.0)
     top_speed: float = quantity(300.0, "m/s", "airspeed above which it breaks up", low=1.0, high=600.0)
     ceiling: float = quantity(13000.0, "m", "altitude above which it cannot fly", low=1.0, high=2e4)
-
-
-@dataclasses.dataclass(frozen=True)
-class Envelope:
-    """Limits that depend on the flight state: climb falls with altitude, turn rate with speed."""
-
-    cruise_climb: float = quantity(6.0, "m/s", "largest climb rate at cruise altitude", low=0.0, high=100.0)
-    cruise_altitude: float = quantity(11000.0, "m", "where that holds; linear in between", low=100.0, high=20000.0)
-    bank: float = quantity(math.radians(25.0), "rad", "largest bank angle (ICAO Doc 8168)", low=0.01, high=1.4)
-
-    DERIVED: ClassVar[tuple[str, ...]] = ("lateral",)
-
-    @property
-    def lateral(self) -> float:
-        """Lateral acceleration of a level turn at the largest bank, g tan(bank) [m/s^2]."""
-        return G * math.tan(self.bank)
-
-
-@dataclasses.dataclass(frozen=True)
-class Energy:
-    """Climbing and accelerating draw on one power: -g idle_sink <= g v_y + v a <= g (climb limit).
-
-    It binds the commanded pair; climb has priority, the acceleration command gives way.
-    """
-
-    idle_sink: float = quantity(8.0, "m/s", "sink rate at constant speed with idle thrust", low=0.1, high=100.0)
-
-
-@dataclasses.dataclass(frozen=True)
-class Lags:
-    """The rates follow the commands as first-order lags with limited rates of change."""
-
-    vertical: float = quantity(2.5, "s", "time constant of vertical speed", low=0.05, high=60.0)
-    along: float = quantity(3.5, "s", "time constant of acceleration", low=0.05, high=60.0)
-    turn: float = quantity(1.8, "s", "time constant of turn rate", low=0.05, high=60.0)
-    vertical_slew: float = quantity(1.5, "m/s^2", "largest normal acceleration (BADA civil limit)", low=0.01, high=50.0)
-    jerk: float = quantity(0.15, "m/s^3", "largest rate of change of acceleration", low=0.001, high=50.0)
-    roll_in: float = quantity(4.0, "s", "time from level flight to the largest turn rate", low=0.01, high=60.0)
-
-
-@dataclasses.dataclass(frozen=True)
-class Gust:
-    """First-order gusts: the vertical one carries the aircraft, the one along the path adds to its airspeed."""
-
-    length: float = quantity(533.4, "m", "scale length above 2000 ft (MIL-F-8785C)", low=1.0, high=1e4)
-    vertical: float = quantity(0.7, "m/s", "standard deviation of the vertical gust", low=0.0, high=20.0)
-    along: float = quantity(0.25, "m/s", "standard deviation of the gust along the path", low=0.0, high=20.0)
-
-
-@dataclasses.dataclass(frozen=True)
-class Track:
-    """The ground track (x, z) is computed."""
-
-    x: float = quantity(0.0, "m", "start, x", low=-1e7, high=1e7)
-    z: float = quantity(0.0, "m", "start, z", low=-1e7, high=1e7)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -171,7 +114,7 @@ def fly(state, vertical_speed, acceleration, turn_rate, turn_slew, duration, lag
 
 
 @kernel
-def blow(state, time, dt, counter, gust):  # type: ignore[no-untyped-def]
+def blow(state, time, dt, counter, turbulence):  # type: ignore[no-untyped-def]
     """Add what gusts of correlation time `time` do to altitude and airspeed in an interval `dt`, both in s.
 
     Uses the normal pairs `counter` and `counter` + 1 of the state's key.
@@ -179,15 +122,15 @@ def blow(state, time, dt, counter, gust):  # type: ignore[no-untyped-def]
     decay = math.exp(-dt / time)
     end_vertical, end_along = normal_pair(state.key, counter)
     bridge, _ = normal_pair(state.key, counter + 1)
-    vertical = gust_after(state.gust_vertical, decay, gust.vertical, end_vertical)
-    along = gust_after(state.gust_along, decay, gust.along, end_along)
-    state.altitude += gust_integral(state.gust_vertical, vertical, dt, time, decay, gust.vertical, bridge)
+    vertical = gust_after(state.gust_vertical, decay, turbulence.sigma, end_vertical)
+    along = gust_after(state.gust_along, decay, turbulence.sigma, end_along)
+    state.altitude += gust_integral(state.gust_vertical, vertical, dt, time, decay, turbulence.sigma, bridge)
     state.speed += along - state.gust_along
     state.gust_vertical, state.gust_along = vertical, along
 
 
 @kernel
-def advance(state, action, params, envelope, energy, lags, gust, track):  # type: ignore[no-untyped-def]
+def advance(state, action, params, envelope, energy, lags, atmosphere, wind, shear, turbulence, track, textbook):  # type: ignore[no-untyped-def]
     """Move one record over a control interval.
 
     `action`: vertical speed, acceleration and turn rate as fractions of their limits, each in [-1, 1].
@@ -205,8 +148,8 @@ def advance(state, action, params, envelope, energy, lags, gust, track):  # type
         slew = turn / lags.roll_in
     speed = state.speed
     fly(state, vertical_speed, acceleration, action[2] * turn, slew, params.dt, lags, track)
-    if gust is not None:
-        blow(state, gust.length / speed, params.dt, 2 * state.steps, gust)
+    if turbulence is not None:
+        blow(state, SCALE_LENGTH / speed, params.dt, 2 * state.steps, turbulence)
 
 
 @kernel

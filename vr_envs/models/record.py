@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 
 # every field takes eight bytes: a record without padding is the same bytes after every copy
-_NUMPY_TYPES = {"float": "f8", "int": "i8", "bool": "i8", "key": "u8"}
+_NUMBERS = "tuple[float, ...]"
+_NUMPY_TYPES = {"float": "f8", "int": "i8", "bool": "i8", "key": "u8", _NUMBERS: "f8"}
 
 
 def quantity(
@@ -31,7 +32,8 @@ def quantity(
     """Declare one field of a record: its default, unit, meaning and allowed range [low, high].
 
     A text field has `choices`; it does not enter the record, what follows from it does (`DERIVED`).
-    `shape` declares an array in a state; `kind="key"` an unsigned 64-bit integer.
+    `shape` declares an array in a state; `kind="key"` an unsigned 64-bit integer. A parameter of the type
+    `tuple[float, ...]` is a list of at least one and at most `shape[0]` numbers; zeros fill its record.
     """
     metadata = {"unit": unit, "doc": doc, "low": low, "high": high, "choices": choices, "shape": shape, "kind": kind}
     return dataclasses.field(default=default, metadata=metadata)
@@ -58,13 +60,22 @@ def pack(instance: Any) -> np.void:
     """The record of a dataclass instance, as a NumPy void that kernels take by reference."""
     row = np.zeros(1, dtype_of(type(instance)))
     for name in row.dtype.names or ():
-        row[name] = getattr(instance, name)
+        value = getattr(instance, name)
+        if isinstance(value, tuple):
+            row[name][0, : len(value)] = value
+        else:
+            row[name] = value
     return row[0]
 
 
 def checked_value(field: dataclasses.Field[Any], given: Any, label: str) -> Any:
     """`given` as the type of `field`; a value of the wrong type, size or range is a ValueError that says so."""
-    low, high, unit = field.metadata["low"], field.metadata["high"], field.metadata["unit"]
+    if _kind(field) == _NUMBERS:
+        most = field.metadata["shape"][0]
+        if not isinstance(given, list | tuple | np.ndarray) or not 1 <= len(given) <= most:
+            size = f"{len(given)} numbers" if isinstance(given, list | tuple | np.ndarray) else repr(given)
+            raise ValueError(f"{label} = {size} is not allowed; give a list of 1 to {most} numbers")
+        return tuple(_checked_number(field, value, f"{label}[{i}]") for i, value in enumerate(given))
     if _kind(field) == "str":
         choices = field.metadata["choices"]
         if given not in choices:
@@ -74,16 +85,22 @@ def checked_value(field: dataclasses.Field[Any], given: Any, label: str) -> Any:
         if not isinstance(given, bool | np.bool_):
             raise ValueError(f"{label} = {given!r} is not allowed; give true or false")
         return bool(given)
+    number = _checked_number(field, given, label)
+    if _kind(field) == "int":
+        if int(number) != number:
+            raise ValueError(f"{label} = {given!r} is not a whole number")
+        return int(given)
+    return number
+
+
+def _checked_number(field: dataclasses.Field[Any], given: Any, label: str) -> float:
+    low, high, unit = field.metadata["low"], field.metadata["high"], field.metadata["unit"]
     if isinstance(given, bool | np.bool_) or not isinstance(given, int | float | np.integer | np.floating):
         raise ValueError(f"{label} = {given!r} is not a number; give {unit or 'a number'} in [{low:g}, {high:g}]")
     if not low <= given <= high or not math.isfinite(given):
         raise ValueError(
             f"{label} = {given!r} is not allowed; it must be finite and in [{low:g}, {high:g}] {unit}".rstrip()
         )
-    if _kind(field) == "int":
-        if int(given) != given:
-            raise ValueError(f"{label} = {given!r} is not a whole number")
-        return int(given)
     return float(given)
 
 

@@ -22,12 +22,13 @@ import math
 
 from vr_envs.models.jit import kernel
 from vr_envs.models.record import quantity
+from vr_envs.models.ride_options import TICK
+from vr_envs.models.road import RING, pass_knot, slope_of_road
 from vr_envs.models.spring import free_motion
-from vr_envs.models.terrain import RING, WAVES, pass_knot, roll_undulation, slope_of_road, wave
+from vr_envs.models.terrain import WAVES, roll_undulation, wave
 from vr_envs.models.travel_stop import move_with_stop
-from vr_envs.models.weighting import INTERVAL
 
-CONTROL_INTERVAL = INTERVAL  # s; the weighting filter is made for it
+CONTROL_INTERVAL = TICK
 
 
 @dataclasses.dataclass(frozen=True)
@@ -93,39 +94,6 @@ class Params:
     def modulus_half(self) -> float:
         """Half the logarithmic range of the modulus."""
         return 0.5 * math.log(self.modulus_high / self.modulus_low)
-
-
-@dataclasses.dataclass(frozen=True)
-class ActuatorLag:
-    """First-order lag of the actuators' positions: exact at the control instants, by its mean between them.
-
-    From position p0 towards a command held for the interval dt, the lag of time constant T goes to
-    p1 = command + (p0 - command) e^(-dt/T), and its mean on the way is command + (p0 - command) (T/dt)(1 - e^(-dt/T)).
-    The ride takes that mean for the whole interval, so that its motion stays exact; the positions are those of the
-    logarithms of damping and modulus. A step arrives late by T on the whole: the integral of what is still missing
-    is T times the step.
-    """
-
-    time_constant: float = quantity(0.015, "s", "time constant", low=1e-4, high=10.0)
-
-    DERIVED = ("share", "missing")
-
-    @property
-    def share(self) -> float:
-        """Part of the way to the command that is made over an interval."""
-        return -math.expm1(-CONTROL_INTERVAL / self.time_constant)
-
-    @property
-    def missing(self) -> float:
-        """Part of the way that is missing in the mean over an interval."""
-        return self.share * self.time_constant / CONTROL_INTERVAL
-
-
-@dataclasses.dataclass(frozen=True)
-class Payload:
-    """A load that the controller does not know, drawn per episode."""
-
-    size: float = quantity(1.0, "m/s^2", "largest acceleration that it gives, either way", low=0.0, high=10.0)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -214,7 +182,7 @@ def straight(state, u, v, slope, gamma, w2, push, t, params, stop):
 
 
 @kernel
-def ride(state, t, gamma, w2, push, params, undulation, road, bumps, stop):
+def ride(state, t, gamma, w2, push, params, undulation, road, profile, bumps, obstacle, wheel, tyre, stop, cruise):
     """Ride for the time t [s] with constant damping, spring and push, exactly.
 
     Over sines, u here is the travel without them and without the steady ride over them. A stop excludes sines.
@@ -232,7 +200,7 @@ def ride(state, t, gamma, w2, push, params, undulation, road, bumps, stop):
             piece = state.to_knot / params.speed
             if piece <= left:
                 u, v = straight(state, u, v, slope, gamma, w2, push, piece, params, stop)
-                pass_knot(state, road, bumps)
+                pass_knot(state, road, profile, bumps, obstacle, wheel)
             else:
                 u, v = straight(state, u, v, slope, gamma, w2, push, left, params, stop)
                 state.to_knot = max(0.0, state.to_knot - params.speed * left)
@@ -245,12 +213,17 @@ def ride(state, t, gamma, w2, push, params, undulation, road, bumps, stop):
 
 
 @kernel
-def advance(state, action, params, undulation, road, bumps, stop, lag):
+def advance(
+    state, action, params, undulation, road, profile, bumps, obstacle, wheel, tyre, stop, lag, cruise, textbook
+):
     """Move by one control interval; `action` in [-1, 1]: damping and modulus (logarithmic), or the force."""
     actuate(state, action, params, lag)
     gamma, w2, push = suspension(state, params)
     travel, velocity = state.travel, state.velocity
     state.touches = 0
-    ride(state, CONTROL_INTERVAL, gamma, w2, push, params, undulation, road, bumps, stop)
+    ride(
+        state, CONTROL_INTERVAL, gamma, w2, push, params,
+        undulation, road, profile, bumps, obstacle, wheel, tyre, stop, cruise,
+    )  # fmt: skip
     state.travel_rate = (state.travel - travel) / CONTROL_INTERVAL
     state.acceleration = (state.velocity - velocity) / CONTROL_INTERVAL

@@ -13,6 +13,7 @@ from vr_envs.models.jit import kernel
 
 # below this half-interval (in units of T) the difference q - tanh q is taken from a Pade approximant of tanh
 _SMALL = 0.5
+SCALE_LENGTH = 533.4  # m, above 2000 ft (MIL-F-8785C)
 
 
 @kernel

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vr_envs.models.terrain import RING, WAVES, place_on_road, road_height, undulation_ahead, wave
+from vr_envs.models.road import RING, place_on_road, road_height
+from vr_envs.models.terrain import WAVES, undulation_ahead, wave
 from vr_envs.models.terrain_ride import CONTROL_INTERVAL, suspension
 from vr_envs.render.base import Painter
 from vr_envs.render.canvas import Box, Point, View
