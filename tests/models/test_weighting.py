@@ -3,7 +3,6 @@ import pytest
 
 from vr_envs.models.weighting import INTERVAL, MEMORY, weight, wk
 
-
 # ISO 8041: magnitude of Wk at third-octave frequencies [Hz]
 TABLE = {
     0.5: 0.4182, 1.0: 0.4825, 2.0: 0.5314, 4.0: 0.9672, 5.0: 1.0388, 6.3: 1.0544, 8.0: 1.0364, 10.0: 0.9884,
