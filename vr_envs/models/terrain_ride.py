@@ -236,11 +236,11 @@ def begin_tick(state, action, lag):
 
 
 @kernel
-def end_tick(state, params, tyre):
-    """The means over the tick that has ended, and the measurements."""
+def end_tick(state, gamma, params, tyre):
+    """The means over the tick that has ended, and the measurements; `gamma` [1/s] was the damping at its end."""
     state.travel_rate = (state.travel - state.tick_travel) / TICK
     state.acceleration = (state.velocity - state.tick_velocity) / TICK
-    sample(state, params, tyre)
+    sample(state, gamma, params, tyre)
 
 
 @kernel
@@ -267,4 +267,4 @@ def advance(
         left -= piece
         state.time_to_tick, ticked = to_next_tick(state.time_to_tick, piece, 0.0)
         if ticked:
-            end_tick(state, params, tyre)
+            end_tick(state, gamma, params, tyre)
