@@ -23,7 +23,7 @@ import math
 from vr_envs.models.jit import kernel
 from vr_envs.models.record import quantity
 from vr_envs.models.ride_options import TICK
-from vr_envs.models.road import RING, pass_knot, slope_of_road
+from vr_envs.models.road import RoadState, pass_knot, slope_of_road
 from vr_envs.models.spring import free_motion
 from vr_envs.models.terrain import WAVES, roll_undulation, wave
 from vr_envs.models.travel_stop import move_with_stop
@@ -97,7 +97,7 @@ class Params:
 
 
 @dataclasses.dataclass(frozen=True)
-class State:
+class State(RoadState):
     """The ride and the terrain that it has drawn."""
 
     key: int = quantity(0, "", "episode key", kind="key")
@@ -112,13 +112,8 @@ class State:
     fault: bool = quantity(False, "", "a search for a contact, or the contacts in one piece of road, did not end")
     position: float = quantity(0.0, "", "of the actuators, at the control instant", shape=(2,), low=-1.0, high=1.0)
     held: float = quantity(0.0, "", "mean position over the last interval, acts", shape=(2,), low=-1.0, high=1.0)
-    knot: int = quantity(0, "", "road knot behind the wheel", low=0)
-    to_knot: float = quantity(0.0, "m", "distance to the next knot", low=0.0, high=10.0)
-    roughness: float = quantity(0.0, "m", "road height at the last knot drawn, without bumps")
-    roughness_sd: float = quantity(0.0, "m", "its standard deviation in this episode")
     wave_cos: float = quantity(0.0, "", "cosines of the undulation's phases", shape=(WAVES,))
     wave_sin: float = quantity(0.0, "", "sines of the undulation's phases", shape=(WAVES,))
-    knots: float = quantity(0.0, "m", "ring of road knots", shape=(RING,))
 
 
 @kernel
