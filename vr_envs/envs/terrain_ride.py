@@ -21,20 +21,14 @@ from vr_envs.models.road import RING, start_road
 from vr_envs.models.road_options import Bumps, Obstacle, Profile, Road, Wheel
 from vr_envs.models.terrain import Undulation, start_undulation
 from vr_envs.models.travel_stop import TravelStop
-from vr_envs.models.weighting import MEMORY, weight
 
 _PAYLOAD_DRAW = 1 << 49
 
 
 @dataclasses.dataclass(frozen=True)
 class State(model.State):
-    """The whole episode: the ride, the weighted acceleration, and the sums from which metrics follow."""
+    """The whole episode: the ride and what is counted of it."""
 
-    weighting: float = quantity(0.0, "", "memory of the weighting filter", shape=(MEMORY,))
-    weighted: float = quantity(0.0, "m/s^2", "weighted acceleration")
-    weighted_squares: float = quantity(0.0, "m^2/s^4", "its squares, summed over the steps")
-    travel_squares: float = quantity(0.0, "m^2", "squares of the travel, summed over the steps")
-    travel_peak: float = quantity(0.0, "m", "largest |u| at a control instant")
     hits: int = quantity(0, "", "touches of a stop so far", low=0)
 
 
@@ -50,6 +44,7 @@ def start(
         start_road(state, road, profile, bumps, obstacle, wheel)
     if payload is not None:
         state.payload = payload.size * (2.0 * uniform(state.key, _PAYLOAD_DRAW) - 1.0)
+    state.speed = params.speed
     _, w2, push = model.suspension(state, params)
     state.travel = push / w2
 
@@ -71,10 +66,6 @@ def outcome(
     preview, noise, textbook,
 ):  # type: ignore[no-untyped-def]  # fmt: skip
     """Score the interval that has ended: comfort and travel together, nothing in contact with a stop."""
-    state.weighted = weight(state.weighting, state.acceleration)
-    state.weighted_squares += state.weighted * state.weighted
-    state.travel_squares += state.travel * state.travel
-    state.travel_peak = max(state.travel_peak, abs(state.travel))
     state.hits += state.touches
     discomfort, stroke = state.weighted / params.comfort, state.travel / params.rattle
     reward = 1.0 / (1.0 + discomfort * discomfort + stroke * stroke)
@@ -89,13 +80,13 @@ def outcome(
 def metrics(states: np.ndarray, scene: Scene) -> dict[str, np.ndarray]:
     """Domain metrics of episodes, one value per record.
 
-    acceleration_rms_m_s2: weighted with Wk; travel_rms_mm, travel_peak_mm: of the spring, at the control instants;
+    acceleration_rms_m_s2: weighted with Wk; travel_rms_mm, travel_peak_mm: of the spring, at the ticks;
     stop_hits: times that a stop was touched; fault: a search for a contact did not end; is_success: neither of
     these, and acceleration and travel both below the values that halve the reward.
     """
-    steps = np.maximum(states["steps"], 1)
-    acceleration = np.sqrt(states["weighted_squares"] / steps)
-    travel = np.sqrt(states["travel_squares"] / steps)
+    ticks = np.maximum(states["ticks"], 1)
+    acceleration = np.sqrt(states["weighted_squares"] / ticks)
+    travel = np.sqrt(states["travel_squares"] / ticks)
     calm = (acceleration < scene.params.comfort) & (travel < scene.params.rattle)
     return {
         "is_success": calm & (states["hits"] == 0) & (states["fault"] == 0),
@@ -143,7 +134,7 @@ def validate(scene: Scene) -> None:
 
 
 def _control_interval(scene: Scene) -> float:
-    return model.CONTROL_INTERVAL
+    return scene.params.dt
 
 
 TASK = Task(

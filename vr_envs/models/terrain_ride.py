@@ -20,15 +20,15 @@ from __future__ import annotations
 import dataclasses
 import math
 
+from vr_envs.models.clock import piece_of, to_next_tick
 from vr_envs.models.jit import kernel
 from vr_envs.models.record import quantity
+from vr_envs.models.ride_meter import MeterState, sample
 from vr_envs.models.ride_options import TICK
 from vr_envs.models.road import RoadState, pass_knot, slope_of_road
 from vr_envs.models.spring import free_motion
 from vr_envs.models.terrain import WAVES, roll_undulation, wave
 from vr_envs.models.travel_stop import move_with_stop
-
-CONTROL_INTERVAL = TICK
 
 
 @dataclasses.dataclass(frozen=True)
@@ -50,6 +50,7 @@ class Params:
     force: float = quantity(1450.0, "N", "largest force", low=1.0, high=1e6)
     comfort: float = quantity(1.0, "m/s^2", "weighted acceleration that halves the reward", low=1e-3, high=1e3)
     rattle: float = quantity(0.03, "m", "travel that halves the reward", low=1e-4, high=10.0)
+    dt: float = quantity(TICK, "s", "control interval", low=1e-3, high=10.0)
 
     DERIVED = (
         "w2", "relative", "active", "push", "damping_centre", "damping_half", "modulus_centre", "modulus_half",
@@ -97,28 +98,41 @@ class Params:
 
 
 @dataclasses.dataclass(frozen=True)
-class State(RoadState):
-    """The ride and the terrain that it has drawn."""
+class State(RoadState, MeterState):
+    """The ride, the terrain that it has drawn, and what has been measured."""
 
     key: int = quantity(0, "", "episode key", kind="key")
     steps: int = quantity(0, "", "control intervals done", low=0)
-    travel: float = quantity(0.0, "m", "u = zeta - r")
+    time_to_tick: float = quantity(0.0, "s", "until this tick ends; 0: one begins", low=0.0, high=TICK)
+    travel: float = quantity(0.0, "m", "u = zeta - r, or of the suspension of a quarter car")
     velocity: float = quantity(0.0, "m/s", "zeta', of the mass, up")
-    travel_rate: float = quantity(0.0, "m/s", "mean of u' over the last interval")
-    acceleration: float = quantity(0.0, "m/s^2", "mean of zeta'' over the last interval")
+    deflection: float = quantity(0.0, "m", "height of the hub over the ground, from static; compressed: < 0")
+    hub_velocity: float = quantity(0.0, "m/s", "of the hub of a quarter car, up")
+    tick_travel: float = quantity(0.0, "m", "travel when this tick began")
+    tick_velocity: float = quantity(0.0, "m/s", "velocity of the mass when this tick began")
+    travel_rate: float = quantity(0.0, "m/s", "mean of u' over the last tick")
+    acceleration: float = quantity(0.0, "m/s^2", "mean of zeta'' over the last tick")
     payload: float = quantity(0.0, "m/s^2", "constant acceleration that an unknown load gives")
     side: float = quantity(0.0, "", "+1 or -1 in contact with the stop at that end, else 0", low=-1.0, high=1.0)
     touches: int = quantity(0, "", "touches of a stop in the last interval", low=0)
+    airborne: bool = quantity(False, "", "the tyre is off the ground")
+    liftoffs: int = quantity(0, "", "times that the tyre left the ground so far", low=0)
+    airborne_time: float = quantity(0.0, "s", "time that it was off the ground so far", low=0.0)
     fault: bool = quantity(False, "", "a search for a contact, or the contacts in one piece of road, did not end")
-    position: float = quantity(0.0, "", "of the actuators, at the control instant", shape=(2,), low=-1.0, high=1.0)
-    held: float = quantity(0.0, "", "mean position over the last interval, acts", shape=(2,), low=-1.0, high=1.0)
+    position: float = quantity(0.0, "", "of the actuators, when this tick began", shape=(2,), low=-1.0, high=1.0)
+    held: float = quantity(0.0, "", "mean position over this tick, acts", shape=(2,), low=-1.0, high=1.0)
+    speed: float = quantity(0.0, "m/s", "over the ground", low=0.0, high=100.0)
+    distance: float = quantity(0.0, "m", "covered so far", low=0.0)
     wave_cos: float = quantity(0.0, "", "cosines of the undulation's phases", shape=(WAVES,))
     wave_sin: float = quantity(0.0, "", "sines of the undulation's phases", shape=(WAVES,))
 
 
 @kernel
-def actuate(state, action, params, lag):
-    """Move the actuators' positions towards the command, over one control interval, and hold their mean."""
+def actuate(state, action, lag):
+    """Move the actuators' positions towards the command, over one tick, and hold their mean; without a lag, be there.
+
+    The positions are those when the tick ends, and the means those that act in it.
+    """
     for i in range(action.shape[0]):
         share, missing = 1.0, 0.0
         if lag is not None:
@@ -208,17 +222,44 @@ def ride(state, t, gamma, w2, push, params, undulation, road, profile, bumps, ob
 
 
 @kernel
+def begin_tick(state, action, lag):
+    """What is fixed for a tick: the mean positions of actuators that lag, and where its means are taken from."""
+    state.time_to_tick = TICK
+    state.tick_travel, state.tick_velocity = state.travel, state.velocity
+    if lag is not None:
+        actuate(state, action, lag)
+
+
+@kernel
+def end_tick(state, params, tyre):
+    """The means over the tick that has ended, and the measurements."""
+    state.travel_rate = (state.travel - state.tick_travel) / TICK
+    state.acceleration = (state.velocity - state.tick_velocity) / TICK
+    sample(state, params, tyre)
+
+
+@kernel
 def advance(
     state, action, params, undulation, road, profile, bumps, obstacle, wheel, tyre, stop, lag, cruise, textbook
 ):
-    """Move by one control interval; `action` in [-1, 1]: damping and modulus (logarithmic), or the force."""
-    actuate(state, action, params, lag)
-    gamma, w2, push = suspension(state, params)
-    travel, velocity = state.travel, state.velocity
+    """Move by one control interval; `action` in [-1, 1]: damping and modulus (logarithmic), or the force.
+
+    Actuators that lag move at the ticks, others at once.
+    """
     state.touches = 0
-    ride(
-        state, CONTROL_INTERVAL, gamma, w2, push, params,
-        undulation, road, profile, bumps, obstacle, wheel, tyre, stop, cruise,
-    )  # fmt: skip
-    state.travel_rate = (state.travel - travel) / CONTROL_INTERVAL
-    state.acceleration = (state.velocity - velocity) / CONTROL_INTERVAL
+    if lag is None:
+        actuate(state, action, lag)
+    left = params.dt
+    while left > 0.0:
+        if state.time_to_tick == 0.0:
+            begin_tick(state, action, lag)
+        piece = piece_of(left, state.time_to_tick)
+        gamma, w2, push = suspension(state, params)
+        ride(
+            state, piece, gamma, w2, push, params,
+            undulation, road, profile, bumps, obstacle, wheel, tyre, stop, cruise,
+        )  # fmt: skip
+        left -= piece
+        state.time_to_tick, ticked = to_next_tick(state.time_to_tick, piece, 0.0)
+        if ticked:
+            end_tick(state, params, tyre)

@@ -9,7 +9,7 @@ import numpy as np
 
 from vr_envs.models.road import RING, place_on_road, road_height
 from vr_envs.models.terrain import WAVES, undulation_ahead, wave
-from vr_envs.models.terrain_ride import CONTROL_INTERVAL, suspension
+from vr_envs.models.terrain_ride import suspension
 from vr_envs.render.base import Painter
 from vr_envs.render.canvas import Box, Point, View
 from vr_envs.render.chart import History, Strip, fitted, nice_step
@@ -72,7 +72,7 @@ class TerrainRidePainter(Painter):
         if self._seen[0] != key or steps < self._seen[1]:
             self._forget()
         self._seen = key, steps
-        time = steps * CONTROL_INTERVAL
+        time = steps * self.scene.params.dt
         self._history.add(time, float(state["acceleration"]), float(state["weighted"]))
         magnification = self._magnification(state)
         view = View((WHEEL_X, GROUND_LEVEL), self.x_scale, self.x_scale * magnification)
@@ -153,7 +153,7 @@ class TerrainRidePainter(Painter):
         canvas.line([(x - 26.0, carrier), (x + 26.0, carrier)], INK, 4.0)
         canvas.disc((x, y - WHEEL), WHEEL, INK)
         canvas.disc((x, y - WHEEL), 0.62 * WHEEL, PANEL)
-        angle = self._seen[1] * CONTROL_INTERVAL * p.speed * self.x_scale / WHEEL
+        angle = self._seen[1] * p.dt * p.speed * self.x_scale / WHEEL
         for k in range(3):
             dx, dy = (
                 0.6 * WHEEL * math.cos(angle + k * math.pi / 3.0),
