@@ -11,6 +11,7 @@ from vr_envs.envs.batch import BatchEnv
 from vr_envs.envs.scalar import ScalarEnv
 from vr_envs.envs.scene import Scene
 from vr_envs.envs.task import Task
+from vr_envs.envs.terrain_ride_engines import ENGINES
 from vr_envs.envs.terrain_ride_observation import Preview, SensorNoise, action_channels, channels, observe
 from vr_envs.models import terrain_ride as model
 from vr_envs.models.jit import kernel
@@ -127,6 +128,11 @@ def validate(scene: Scene) -> None:
             raise ValueError(f"{low_name} = {low:g} is not allowed; it must {rule} {high_name} = {high:g}")
     if bumps is not None and road is None:
         raise ValueError("bumps = {...} is not allowed without a road; give road = true, or bumps = null")
+    if options["textbook"] is not None and p.relative:
+        raise ValueError(
+            "damping = 'relative' is not allowed with the engine 'textbook': the lecture's factor k_d damps the mass's "
+            "own velocity; give damping = 'absolute'"
+        )
     if stop is not None and options["undulation"] is not None:
         raise ValueError("stop = {...} is not allowed over an undulation; give undulation = null and road = true")
     if options["undulation"] is None and road is None:
@@ -184,7 +190,7 @@ TASK = Task(
     metrics=metrics,
     dt=_control_interval,
     validate=validate,
-    engines={"textbook": Textbook},
+    engines=ENGINES,
 )
 
 
