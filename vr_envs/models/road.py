@@ -1,8 +1,7 @@
 """Road under a wheel, piecewise linear by definition: ISO 8608 roughness, a measured profile, bumps and obstacles.
 
-Heights are in m, up; distances along the road in m, ahead. The kernels read and write these fields of a state record:
-`key`, `knots` (a ring of `RING` knot heights), `knot` (index of the knot behind the wheel), `to_knot` (distance to
-the next one), `roughness`, `roughness_sd`.
+Heights are in m, up; distances along the road in m, ahead. The kernels read and write the fields of `RoadState` and
+read the `key` of the episode.
 
 ISO 8608: the one-sided displacement density is Gd(n) = Gd(n0) (n/n0)^-2 with n0 = 0.1 cycle/m; class A has the
 geometric mean Gd(n0) = 16e-6 m^3 and each further class four times that. Below the cut-off n_c the density is flat:
@@ -12,15 +11,31 @@ samples at equally spaced knots are exactly  r' = phi r + sd sqrt(1 - phi^2) N(0
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 from vr_envs.models.jit import kernel
 from vr_envs.models.noise import normal_pair, uniform
+from vr_envs.models.record import quantity
 
 RING = 64  # knots kept, a power of two; at least the next RING - 3 are ahead of the wheel
 
+RAW = 64  # knots of the bare profile kept for a wheel of finite radius, a power of two
+
 # Counters of an episode's key, one range for each use; the pairs of knots use those below _DENSITY.
 _DENSITY, _BUMP, _START = 1 << 40, 1 << 42, 1 << 43
+
+
+@dataclasses.dataclass(frozen=True)
+class RoadState:
+    """Fields of a state record that has a road."""
+
+    knot: int = quantity(0, "", "road knot behind the wheel", low=0)
+    to_knot: float = quantity(0.0, "m", "distance to the next knot", low=0.0, high=10.0)
+    roughness: float = quantity(0.0, "m", "roughness of the last knot drawn")
+    roughness_sd: float = quantity(0.0, "m", "its standard deviation in this episode")
+    knots: float = quantity(0.0, "m", "ring of road knots", shape=(RING,))
+    raw: float = quantity(0.0, "m", "ring of knots of the bare profile, with a wheel of finite radius", shape=(RAW,))
 
 
 @kernel

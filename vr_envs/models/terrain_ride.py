@@ -26,7 +26,7 @@ from vr_envs.models.record import quantity
 from vr_envs.models.ride_meter import MeterState, sample
 from vr_envs.models.ride_options import TICK
 from vr_envs.models.ride_textbook import drift, kick, step_of
-from vr_envs.models.road import RING, pass_knot, slope_of_road
+from vr_envs.models.road import RoadState, pass_knot, slope_of_road
 from vr_envs.models.spring import free_motion
 from vr_envs.models.terrain import WAVES, roll_undulation, wave
 from vr_envs.models.travel_stop import move_with_stop
@@ -99,7 +99,7 @@ class Params:
 
 
 @dataclasses.dataclass(frozen=True)
-class State(MeterState):
+class State(RoadState, MeterState):
     """The ride, the terrain that it has drawn, and what has been measured."""
 
     key: int = quantity(0, "", "episode key", kind="key")
@@ -125,13 +125,8 @@ class State(MeterState):
     held: float = quantity(0.0, "", "mean position over this tick, acts", shape=(2,), low=-1.0, high=1.0)
     speed: float = quantity(0.0, "m/s", "over the ground", low=0.0, high=100.0)
     distance: float = quantity(0.0, "m", "covered so far", low=0.0)
-    knot: int = quantity(0, "", "road knot behind the wheel", low=0)
-    to_knot: float = quantity(0.0, "m", "distance to the next knot", low=0.0, high=10.0)
-    roughness: float = quantity(0.0, "m", "road height at the last knot drawn, without bumps")
-    roughness_sd: float = quantity(0.0, "m", "its standard deviation in this episode")
     wave_cos: float = quantity(0.0, "", "cosines of the undulation's phases", shape=(WAVES,))
     wave_sin: float = quantity(0.0, "", "sines of the undulation's phases", shape=(WAVES,))
-    knots: float = quantity(0.0, "m", "ring of road knots", shape=(RING,))
 
 
 @kernel
@@ -238,11 +233,11 @@ def begin_tick(state, action, lag):
 
 
 @kernel
-def end_tick(state, params, tyre):
-    """The means over the tick that has ended, and the measurements."""
+def end_tick(state, gamma, params, tyre):
+    """The means over the tick that has ended, and the measurements; `gamma` [1/s] was the damping at its end."""
     state.travel_rate = (state.travel - state.tick_travel) / TICK
     state.acceleration = (state.velocity - state.tick_velocity) / TICK
-    sample(state, params, tyre)
+    sample(state, gamma, params, tyre)
 
 
 @kernel
@@ -280,4 +275,4 @@ def advance(
         left -= piece
         state.time_to_tick, ticked = to_next_tick(state.time_to_tick, piece, 0.0)
         if ticked:
-            end_tick(state, params, tyre)
+            end_tick(state, gamma, params, tyre)

@@ -116,11 +116,12 @@ class TerrainRideSimulator:
             if state["time_to_tick"] == 0.0:
                 begin_tick(state, action, lag)
             piece = piece_of(left, state["time_to_tick"])
-            Vehicle(self, state, piece).run()
+            vehicle = Vehicle(self, state, piece)
+            vehicle.run()
             left -= piece
             state["time_to_tick"], ticked = to_next_tick(state["time_to_tick"], piece, 0.0)
             if ticked:
-                end_tick(state, self.params, tyre)
+                end_tick(state, vehicle.gamma, self.params, tyre)
 
 
 class Vehicle:
@@ -134,7 +135,9 @@ class Vehicle:
         self.steps = math.ceil(time / simulator.step - 1e-9)
         self.dt = time / self.steps
         self.gamma, self.w2, push = suspension(state, simulator.params)
-        self.lift = p.mass * push
+        # of the push per mass, the payload acts from outside, the actuator between mass and hub
+        self.between = push - float(state["payload"])
+        self.lift = p.mass * float(state["payload"])
         self._lay_road(p.speed * time)
         self.space = pymunk.Space()
         self.space.gravity = 0.0, -G
@@ -176,21 +179,26 @@ class Vehicle:
         return body
 
     def _build(self) -> None:
-        state, p, dt = self.state, self.simulator.scene.params, self.dt
-        velocity = float(state["velocity"])
+        """The road, and the bodies and springs on it from below."""
+        state, p = self.state, self.simulator.scene.params
         self.road = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
         self.road.velocity = -p.speed, 0.0
-        self.road.position = 0.5 * dt * p.speed, 0.0
+        self.road.position = 0.5 * self.dt * p.speed, 0.0
         self.surface = pymunk.Segment(self.road, *self.ends[self.pieces[0]], DEPTH)
         self.space.add(self.road, self.surface)
-        self.wheel = self.hub = self._body(HEAVY * p.mass, 0.0, self.rate)
-        self.pull = -self.press / dt * self.wheel.mass
+        if self.tyre is None:
+            self.base = 0.0
+            self.wheel = self.hub = self._body(HEAVY * p.mass, 0.0, self.rate)
+        else:
+            self.base = HEIGHT
+            self._build_tyre(HEIGHT + float(state["deflection"]), float(state["hub_velocity"]))
         self.space.add(pymunk.Circle(self.wheel, RADIUS))
-        self.mass = self._body(p.mass, HEIGHT + float(state["travel"]), velocity)
-        self.length = HEIGHT + G / self.w2
-        stiffness, damping = p.mass * self.w2, p.mass * self.gamma
+        height = self.base + float(state["deflection"]) + HEIGHT + float(state["travel"])
+        self.mass = self._body(p.mass, height, float(state["velocity"]))
+        self.length = HEIGHT + (G + self.between) / self.w2
+        damping = p.mass * self.gamma
         spring = pymunk.DampedSpring(
-            self.hub, self.mass, (0.0, 0.0), (0.0, 0.0), self.length, stiffness, damping * p.relative
+            self.hub, self.mass, (0.0, 0.0), (0.0, 0.0), self.length, p.mass * self.w2, damping * p.relative
         )
         if self.stop is not None:
             spring.force_func = self._force
@@ -198,6 +206,21 @@ class Vehicle:
         if not p.relative:
             frame = self.space.static_body
             self.space.add(pymunk.DampedSpring(frame, self.mass, (0.0, -FAR), (0.0, 0.0), 0.0, 0.0, damping))
+
+    def _build_tyre(self, height: float, velocity: float) -> None:
+        """Hub at a height over the ground, its tyre and the patch that touches the ground."""
+        tyre, total = self.tyre, self.simulator.scene.params.mass + self.tyre.unsprung_mass
+        free = HEIGHT + total * G / tyre.rate
+        self.hub = self._body(tyre.unsprung_mass, height, velocity)
+        lifted = height > free
+        self.wheel = self._body(
+            tyre.rate * (TAME * self.dt) ** 2, height - free if lifted else 0.0, velocity if lifted else self.rate
+        )
+        spring = pymunk.DampedSpring(self.wheel, self.hub, (0.0, 0.0), (0.0, 0.0), free, tyre.rate, 0.0)
+        reach = pymunk.SlideJoint(self.wheel, self.hub, (0.0, 0.0), (0.0, 0.0), 0.0, free)
+        reach.error_bias = 0.0
+        self.space.add(spring, reach)
+        self.free = free
 
     def _force(self, spring: pymunk.DampedSpring, length: float) -> float:
         """Force of the suspension at a length, N: its spring, and a stop if it is touched."""
@@ -215,19 +238,33 @@ class Vehicle:
     def run(self) -> None:
         """Make the steps and write the record."""
         space, dt, state = self.space, self.dt, self.state
-        now = self.pieces[0]
-        for piece in self.pieces:
+        now, airborne = self.pieces[0], bool(state["airborne"])
+        pull = 0.0 if self.tyre is not None else -self.press / dt * self.wheel.mass
+        for piece, height in zip(self.pieces, self.heights, strict=True):
             if piece != now:
                 self.surface.unsafe_set_endpoints(*self.ends[piece])
                 now = piece
             self.mass.force = 0.0, self.lift
-            self.wheel.force = 0.0, self.pull
+            self.wheel.force = 0.0, pull
             space.step(dt)
-        height, velocity = self.mass.position.y, self.mass.velocity.y
-        state["velocity"] = velocity
-        state["travel"] = height + 0.5 * dt * velocity - self.end - HEIGHT
+            if self.tyre is not None:
+                lifted = self.hub.position.y - height > self.free
+                state["liftoffs"] += lifted and not airborne
+                state["airborne_time"] += dt * lifted
+                airborne = lifted
+        state["airborne"] = airborne
         state["touches"] += self.touches
         state["side"] = self.side
+        hub = self.end if self.tyre is None else self._now(self.hub) - self.base
+        state["travel"] = self._now(self.mass) - self.base - HEIGHT - hub
+        state["velocity"] = self.mass.velocity.y
+        if self.tyre is not None:
+            state["deflection"] = hub - self.end
+            state["hub_velocity"] = self.hub.velocity.y
+
+    def _now(self, body: pymunk.Body) -> float:
+        """Height of a body at the end of the last step, half a step ahead of its place in the space."""
+        return body.position.y + 0.5 * self.dt * body.velocity.y
 
 
 SIMULATOR = TerrainRideSimulator

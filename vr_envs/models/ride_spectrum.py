@@ -1,0 +1,103 @@
+"""A linear ride over a random road, in the frequency domain: what a long ride comes to, without riding it.
+
+A quarter car in which nothing switches, lifts off or meets a stop answers a road r with transfer functions. With the
+sprung mass ms at height zs, the unsprung mass mu at zu, both from static equilibrium, and s = i 2 pi f,
+
+    ms s^2 zs = -(k + c s)(zs - zu) - sky s zs
+    mu s^2 zu = +(k + c s)(zs - zu) + sky s zs - kt (zu - r)
+
+where `sky` is what an ideal skyhook adds: a force between mass and wheel in proportion to the velocity of the mass.
+Without a tyre the wheel follows the ground: zu = r. A road whose heights have the one-sided density G(n) over wave
+number n [cycle/m] has G(f / V) / V over frequency at the speed V, so that the mean square of a quantity with the
+response H(f) is the integral of |H(V n)|^2 G(n) over n.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import NamedTuple
+
+import numpy as np
+
+from vr_envs.models.ride_options import G
+from vr_envs.models.weighting import wk
+
+ISO_BAND = (0.011, 2.83)  # cycle/m, of ISO 8608
+REFERENCE = 0.1  # cycle/m
+POINTS = 20_001  # of an integral; even in the logarithm, the responses have no sharp peak
+
+
+@dataclasses.dataclass(frozen=True)
+class Vehicle:
+    """A linear quarter car; without an unsprung mass and a tyre rate its wheel follows the ground."""
+
+    sprung_mass: float  # kg
+    spring_rate: float  # N/m
+    damping: float  # N s/m, between mass and wheel
+    unsprung_mass: float | None = None  # kg
+    tyre_rate: float | None = None  # N/m
+    sky: float = 0.0  # N s/m, of an ideal skyhook with its reaction on the wheel
+
+    @property
+    def static_load(self) -> float:
+        """Force on the ground at rest [N]."""
+        return (self.sprung_mass + (self.unsprung_mass or 0.0)) * G
+
+
+class Response(NamedTuple):
+    """Complex response to one metre of road, each of the frequencies' shape."""
+
+    acceleration: np.ndarray  # of the sprung mass, 1/s^2
+    travel: np.ndarray  # zs - zu, 1
+    deflection: np.ndarray  # of the tyre, zu - r, 1
+
+
+class Rms(NamedTuple):
+    """Root mean squares of a long ride."""
+
+    weighted: float  # acceleration through Wk, m/s^2
+    acceleration: float  # m/s^2
+    travel: float  # m
+    tyre_load: float  # dynamic tyre load over the static one, 1; 0 without a tyre
+
+
+def response(frequency: np.ndarray, vehicle: Vehicle) -> Response:
+    """How `vehicle` answers a road that rises and falls at `frequency` [Hz], any shape, positive."""
+    s = 2j * np.pi * np.asarray(frequency, float)
+    link = vehicle.spring_rate + vehicle.damping * s
+    own = vehicle.sprung_mass * s**2 + vehicle.sky * s
+    body_of_hub = link / (own + link)
+    hub = np.ones_like(s)
+    if vehicle.unsprung_mass is not None and vehicle.tyre_rate is not None:
+        # the suspension lifts the hub with the force that it takes from the sprung mass
+        inertia = vehicle.unsprung_mass * s**2 + vehicle.sprung_mass * s**2 * body_of_hub
+        hub = vehicle.tyre_rate / (vehicle.tyre_rate + inertia)
+    body = body_of_hub * hub
+    return Response(s**2 * body, body - hub, hub - 1.0)
+
+
+def iso_density(number: np.ndarray, reference: float) -> np.ndarray:
+    """ISO 8608: one-sided density [m^3] at wave numbers [cycle/m], from Gd(n0) = `reference` [m^3]."""
+    return reference * (np.asarray(number, float) / REFERENCE) ** -2
+
+
+def ride_rms(vehicle: Vehicle, speed: float, reference: float, band: tuple[float, float] = ISO_BAND) -> Rms:
+    """Root mean squares at `speed` [m/s] on an ISO 8608 road of density Gd(n0) = `reference` [m^3].
+
+    Args:
+        vehicle: what rides.
+        speed: forward speed [m/s].
+        reference: Gd(n0) [m^3]; class A has 16e-6, each further class four times that.
+        band: wave numbers that the road has [cycle/m]; beyond them it has none.
+    """
+    number = np.geomspace(*band, POINTS)
+    frequency = speed * number
+    found = response(frequency, vehicle)
+    # dn = n d(ln n)
+    density, logarithm = iso_density(number, reference) * number, np.log(number)
+
+    def rms(values: np.ndarray) -> float:
+        return float(np.sqrt(np.trapezoid(np.abs(values) ** 2 * density, logarithm)))
+
+    tyre = 0.0 if vehicle.tyre_rate is None else vehicle.tyre_rate * rms(found.deflection) / vehicle.static_load
+    return Rms(rms(found.acceleration * wk(frequency)), rms(found.acceleration), rms(found.travel), tyre)
