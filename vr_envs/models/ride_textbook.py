@@ -51,6 +51,7 @@ def drift(state, t, params, undulation, road, profile, bumps, obstacle, wheel):
     rise = roll(state, params.speed * t, undulation, road, profile, bumps, obstacle, wheel)
     state.travel += state.velocity * t - rise
     state.climb += rise
+    state.distance += params.speed * t
     return rise
 
 
