@@ -77,9 +77,8 @@ def test_it_is_stable_up_to_its_closed_form_limit(k_d):
 @pytest.mark.parametrize("road", [None, Road(iso_class="B")])
 def test_reading_a_converges_to_the_exact_ride_with_order_one(road):
     exact = ridden(None, 0.1, 80, road, travel=0.03)[0][:, :2]
-    errors = []
-    for step in (1 / 160, 1 / 320, 1 / 640):
-        errors.append(np.abs(ridden(Textbook(step=step), 0.1, 80, road, travel=0.03)[0][:, :2] - exact).max(axis=0))
+    found = [ridden(Textbook(step=s), 0.1, 80, road, travel=0.03)[0][:, :2] for s in (1 / 160, 1 / 320, 1 / 640)]
+    errors = [np.abs(one - exact).max(axis=0) for one in found]
     order = np.log2(np.array(errors[:-1]) / errors[1:])
     assert (np.abs(order - 1.0) < 0.12).all(), order
     assert (errors[-1] < 0.02 * np.abs(exact).max(axis=0)).all()
@@ -101,7 +100,7 @@ def test_the_readings_are_the_slides_recurrences(reading):
     gamma = math.exp(params.damping_centre + params.damping_half * 0.3)
     modulus = params.spring_rate * length * math.exp(params.modulus_centre + params.modulus_half * -0.2)
     rest = length + mass * g * length / modulus
-    road, state = fresh(), fresh()
+    road = fresh()
     start_undulation(road)
     y, v, ground, expected = rest - 0.02, 0.0, undulation_ahead(road, 0.0, SINES), []
     first = ground
