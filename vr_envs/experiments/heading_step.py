@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from vr_envs.experiments.experiment import Finding, Outcome, Progress
-from vr_envs.experiments.look import BALL, BAR, FORMULA, FOUND, label
+from vr_envs.experiments.look import BALL, BAR, FAINT, FORMULA, FOUND, label
 from vr_envs.models.autopilot import State
 from vr_envs.models.autopilot_options import Textbook, Track
 from vr_envs.models.autopilot_textbook import fly_in_steps
@@ -103,16 +103,16 @@ def heading(progress: Progress) -> Outcome:
 
 
 def _draw(figure: Figure, flights: dict[str, Flight], exact: Flight, rates: list[float]) -> None:
-    """Tracks seen from above, and headings over time."""
+    """Tracks seen from above, and turn rates over the step."""
     figure.set_size_inches(10.0, 5.0)
     left, right = figure.subplots(1, 2)
     left.plot(1e-3 * exact.x, 1e-3 * exact.z, color=FORMULA, lw=3.0, alpha=0.3, label="exact")
-    seconds = np.arange(SECONDS + 1)
-    right.plot(seconds, np.degrees(exact.heading), color=FORMULA, lw=3.0, alpha=0.3, label="exact")
+    steps = np.geomspace(min(STEPS.values()), 1.0, 50)
+    right.loglog(steps, np.degrees(math.atan(SLOPE) / steps), color=FAINT, lw=0.8, label="atan(v_x / v) / dt")
+    right.axhline(math.degrees(math.atan(SLOPE)), color=FORMULA, lw=3.0, alpha=0.3, label="exact")
     for (name, flight), rate, colour in zip(flights.items(), rates, (BALL, BAR, FOUND), strict=True):
         left.plot(1e-3 * flight.x, 1e-3 * flight.z, ".-", color=colour, ms=3.0, lw=0.6, label=f"dt = {name} s")
-        right.plot(seconds, np.degrees(flight.heading), color=colour, lw=0.8, label=f"{rate:.3g} deg/s")
+        right.loglog(STEPS[name], rate, "o", color=colour, label=f"dt = {name} s")
     left.set_aspect("equal")
-    right.set_yscale("symlog", linthresh=100.0)
     label(left, "one minute of the same command, from above", "x (km)", "z (km)", legend=True)
-    label(right, "heading", "time (s)", "heading turned by (deg)", legend=True)
+    label(right, f"turn rate with v_x / v = {SLOPE:g}", "step (s)", "turn rate (deg/s)", legend=True)
