@@ -14,8 +14,8 @@ class RigidBody:
     """Engine: Chipmunk bodies that move in fixed time steps (package pymunk): mass, hub, wheel, springs, terrain."""
 
     OPTIONS: ClassVar[tuple[str, ...]] = (
-        "undulation", "road", "profile", "bumps", "obstacle", "tyre", "stop", "payload", "lag", "cruise", "preview",
-        "noise",
+        "undulation", "road", "profile", "bumps", "obstacle", "wheel", "tyre", "stop", "payload", "lag", "cruise",
+        "preview", "noise",
     )  # fmt: skip
 
     step: float = quantity(

@@ -14,6 +14,8 @@ What the space is made of:
 - Wheel: a circle whose centre follows the path that the scene describes; contacts are frictionless and do not bounce.
   The ground is a thick segment, so that nothing tunnels, in the place of the piece of road over which the wheel is.
   Its surface is one radius of the wheel below the path, less the overlap in which a contact lasts.
+- Wheel of finite radius (option `wheel`): a disc on the bare profile, all of whose pieces within reach are segments;
+  its path is not calculated but comes of the contacts. The exact model makes it straight between the road's knots.
 - Without a tyre the wheel follows the ground whatever pulls at it: it is so heavy that nothing does, and a force
   presses it down as hard as the sharpest crest in the interval asks for.
 - With a tyre the wheel's mass is at the hub. The tyre is a spring from the hub to a patch that touches the ground,
@@ -37,12 +39,11 @@ from vr_envs.models.cruise import acceleration_to, commanded_speed
 from vr_envs.models.quarter_car import lift_off
 from vr_envs.models.ride_options import G
 from vr_envs.models.terrain_ride import actuate, begin_tick, end_tick, suspension
-from vr_envs.rigid_body.ground import Ground
+from vr_envs.rigid_body.ground import BareGround, Ground, Profiles
 
 HEIGHT = 100.0  # m, from the wheel to the hub and from there to the mass, at rest: more than any of them moves
 FAR = 1e4  # m, ends of grooves
 ORIGIN = 0.0, 0.0
-RADIUS = 0.05  # m, of the circle; it has no effect
 HEAVY = 1e3  # mass of a wheel without tyre, in sprung masses
 SLACK = 1e-3  # m/s, by which the wheel is pressed down harder than the ground asks for
 TAME = 2.0  # inverse of the patch's angular frequency times the step; stable above 1/2
@@ -58,6 +59,7 @@ class TerrainRideSimulator:
         self.params, options = scene.records()
         self.options = dict(zip(scene.options, options, strict=True))
         self.ground = tuple(self.options[name] for name in GROUND)
+        self.profiles = None if self.options["wheel"] is None else Profiles(self.ground)
         self.step = scene.simulators["rigid_body"].step
 
     def advance(self, state: np.void, action: np.ndarray) -> None:
@@ -109,15 +111,18 @@ class Vehicle:
         self.dt = time / self.steps
         self.gamma, self.w2, self.force = suspension(state, simulator.params)
         times = np.append(self.dt * (np.arange(self.steps + 1) - 0.5), time)
-        self.ground = Ground(state, simulator.ways(state, times, target), self.dt, simulator.ground)
+        ways = simulator.ways(state, times, target)
+        if simulator.profiles is None:
+            self.ground = Ground(state, ways, self.dt, simulator.ground)
+        else:
+            self.ground = BareGround(state, ways, self.dt, simulator.ground, simulator.profiles)
         self.press = self.ground.change + SLACK
         overlap = self.press * self.dt
         self.space = pymunk.Space()
         self.space.gravity = 0.0, -G
         self.space.collision_bias = 0.0
         self.space.collision_slop = 2.0 * overlap
-        self.ground.lay(self.space, RADIUS - overlap)
-        self._build()
+        self._build(self.ground.lay(self.space, overlap))
 
     def _body(self, mass: float, height: float, velocity: float) -> pymunk.Body:
         """A body that moves up and down in a groove, half a step back from where it is at `height`."""
@@ -129,8 +134,8 @@ class Vehicle:
         self.space.add(body, groove)
         return body
 
-    def _build(self) -> None:
-        """The bodies and springs, from the ground upwards."""
+    def _build(self, radius: float) -> None:
+        """The bodies and springs, from the wheel of a `radius` (m) upwards."""
         state, p = self.state, self.params
         if self.tyre is None:
             self.base = 0.0
@@ -140,7 +145,7 @@ class Vehicle:
             self.base = HEIGHT
             self._build_tyre(HEIGHT + float(state["deflection"]), float(state["hub_velocity"]))
             self.pull = 0.0
-        self.space.add(pymunk.Circle(self.wheel, RADIUS))
+        self.space.add(pymunk.Circle(self.wheel, radius))
         height = self.base + float(state["deflection"]) + HEIGHT + float(state["travel"])
         self.mass = self._body(p.mass, height, float(state["velocity"]))
         self.length = HEIGHT + (G + self.force) / self.w2
