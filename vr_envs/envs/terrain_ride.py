@@ -11,11 +11,19 @@ from vr_envs.envs.batch import BatchEnv
 from vr_envs.envs.scalar import ScalarEnv
 from vr_envs.envs.scene import Scene
 from vr_envs.envs.task import Task
-from vr_envs.envs.terrain_ride_observation import Preview, SensorNoise, action_channels, channels, observe
+from vr_envs.envs.terrain_ride_observation import (
+    Preview,
+    SensorNoise,
+    action_channels,
+    channels,
+    lateness,
+    observe,
+)
 from vr_envs.models import terrain_ride as model
 from vr_envs.models.jit import kernel
 from vr_envs.models.noise import uniform
 from vr_envs.models.record import quantity
+from vr_envs.models.ride_meter import readings
 from vr_envs.models.ride_options import ActuatorLag, Cruise, Payload, Textbook, Tyre
 from vr_envs.models.road import RING, start_road
 from vr_envs.models.road_options import Bumps, Obstacle, Profile, Road, Wheel
@@ -69,6 +77,9 @@ def outcome(
     state.hits += state.touches
     discomfort, stroke = state.weighted / params.comfort, state.travel / params.rattle
     reward = 1.0 / (1.0 + discomfort * discomfort + stroke * stroke)
+    if cruise is not None:
+        late = max(0.0, lateness(state, params, cruise)) / cruise.lateness
+        reward /= 1.0 + late * late
     ended = False
     if stop is not None:
         if state.side != 0.0 or state.touches > 0 or state.fault:
@@ -78,23 +89,32 @@ def outcome(
 
 
 def metrics(states: np.ndarray, scene: Scene) -> dict[str, np.ndarray]:
-    """Domain metrics of episodes, one value per record.
+    """Domain metrics of episodes, one value per record; those that matter most in the scene come first.
 
-    acceleration_rms_m_s2: weighted with Wk; travel_rms_mm, travel_peak_mm: of the spring, at the ticks;
-    stop_hits: times that a stop was touched; fault: a search for a contact did not end; is_success: neither of
-    these, and acceleration and travel both below the values that halve the reward.
+    Those of `ride_meter.readings`, and stop_hits: times that a stop was touched; mean_speed_m_s; lateness_m: distance
+    behind the schedule at the end, 0 where it is kept or where there is none; fault: a search for a contact did not
+    end; is_success: no hit and no fault, weighted acceleration and travel below the values that halve the reward.
     """
-    ticks = np.maximum(states["ticks"], 1)
-    acceleration = np.sqrt(states["weighted_squares"] / ticks)
-    travel = np.sqrt(states["travel_squares"] / ticks)
+    seconds = np.maximum(states["steps"], 1) * scene.params.dt
+    found = readings(states)
+    found["stop_hits"] = states["hits"].copy()
+    found["mean_speed_m_s"] = np.full(len(states), scene.params.speed)
+    found["lateness_m"] = np.zeros(len(states))
+    cruise = scene.options["cruise"]
+    if cruise is not None:
+        found["mean_speed_m_s"] = states["distance"] / seconds
+        found["lateness_m"] = np.maximum(0.0, cruise.schedule * seconds - states["distance"])
+    found["fault"] = states["fault"] != 0
+    acceleration, travel = found["acceleration_rms_m_s2"], 1e-3 * found["travel_rms_mm"]
     calm = (acceleration < scene.params.comfort) & (travel < scene.params.rattle)
+    third = (
+        "lateness_m" if cruise is not None else "travel_peak_mm" if scene.options["tyre"] is None else "tyre_load_rms"
+    )
+    first = ("acceleration_rms_m_s2", "travel_rms_mm", third, "stop_hits")
     return {
-        "is_success": calm & (states["hits"] == 0) & (states["fault"] == 0),
-        "acceleration_rms_m_s2": acceleration,
-        "travel_rms_mm": 1e3 * travel,
-        "travel_peak_mm": 1e3 * states["travel_peak"],
-        "stop_hits": states["hits"].copy(),
-        "fault": states["fault"] != 0,
+        "is_success": calm & (states["hits"] == 0) & ~found["fault"],
+        **{name: found[name] for name in first},
+        **found,
     }
 
 
