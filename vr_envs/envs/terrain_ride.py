@@ -45,16 +45,14 @@ def start(
     state, params, undulation, road, profile, bumps, obstacle, wheel, tyre, stop, payload, lag, cruise,
     preview, noise, textbook,
 ):  # type: ignore[no-untyped-def]  # fmt: skip
-    """The mass at rest where the spring balances the payload, actuators at mid-range."""
+    """At rest where spring and tyre balance the payload, actuators at mid-range."""
     if undulation is not None:
         start_undulation(state)
     if road is not None:
         start_road(state, road, profile, bumps, obstacle, wheel)
     if payload is not None:
         state.payload = payload.size * (2.0 * uniform(state.key, _PAYLOAD_DRAW) - 1.0)
-    state.speed = params.speed
-    _, w2, push = model.suspension(state, params)
-    state.travel = push / w2
+    model.rest(state, params, tyre)
 
 
 @kernel

@@ -1,18 +1,13 @@
-"""Mass on a spring and damper over a wheel that follows the terrain (the lecture's equations 3.89 and 3.90).
+"""Mass on a spring and damper over rough ground: the lecture's wheel that follows it, or a quarter car.
 
 Frame: heights up. zeta is the height of the mass above its levelled static equilibrium, r the height of the terrain
-under the wheel, u = zeta - r the travel of the spring (> 0: extended). The wheel is a point that never leaves the
-ground. Gravity has gone into the equilibrium, and the spring is levelled there: changing its modulus while it runs
-does not lift the mass. With gamma = c/m, w2 = k/m and the acceleration `push` that payload and force give,
+under the wheel, u = zeta - r the travel of the spring (> 0: extended). Gravity has gone into the equilibrium, and the
+spring is levelled there: changing its modulus while it runs does not lift the mass. What happens between wheel, mass
+and ground is in `follower` and, with the option `tyre`, in `quarter_car`; here is what both share: actuators, the
+road's pieces, the forward speed, and ticks.
 
-    zeta'' + gamma zeta' + w2 zeta = w2 r + [gamma r'] + push                               (3.90, exact in time)
-
-The term in brackets is there for a damper between mass and wheel ("relative"), and not for the lecture's factor k_d,
-which damps the mass's own velocity ("absolute"). h of 3.89 is read as the height of the terrain since the start, the
-only reading that does not depend on the step.
-
-On a straight piece of road u obeys a free damped spring with a constant push; over sines the particular solution is a
-phasor. Both are exact over any time, so a whole ride has no integration error.
+Actuators, and what is measured, belong to ticks of 0.01 s, whatever the control interval is. Between them the ride is
+exact over any time, so a whole ride has no integration error and does not depend on how it is split.
 """
 
 from __future__ import annotations
@@ -21,14 +16,15 @@ import dataclasses
 import math
 
 from vr_envs.models.clock import piece_of, to_next_tick
+from vr_envs.models.cruise import acceleration_to, commanded_speed, time_to_cover
+from vr_envs.models.follower import enter_sines, follow, leave_sines
 from vr_envs.models.jit import kernel
+from vr_envs.models.quarter_car import drive, settle
 from vr_envs.models.record import quantity
 from vr_envs.models.ride_meter import MeterState, sample
 from vr_envs.models.ride_options import TICK
 from vr_envs.models.road import RoadState, pass_knot, slope_of_road
-from vr_envs.models.spring import free_motion
-from vr_envs.models.terrain import WAVES, roll_undulation, wave
-from vr_envs.models.travel_stop import move_with_stop
+from vr_envs.models.terrain import WAVES, roll_undulation
 
 
 @dataclasses.dataclass(frozen=True)
@@ -128,12 +124,16 @@ class State(RoadState, MeterState):
 
 
 @kernel
-def actuate(state, action, lag):
-    """Move the actuators' positions towards the command, over one tick, and hold their mean; without a lag, be there.
+def actuate(state, action, lag, cruise):
+    """Move the suspension's actuators towards the command, over one tick, and hold their mean.
 
-    The positions are those when the tick ends, and the means those that act in it.
+    The positions are those when the tick ends, and the means those that act in it. Without a lag they are there at
+    once. With `cruise` the last command is the speed's.
     """
-    for i in range(action.shape[0]):
+    width = action.shape[0]
+    if cruise is not None:
+        width -= 1
+    for i in range(width):
         share, missing = 1.0, 0.0
         if lag is not None:
             share, missing = lag.share, lag.missing
@@ -144,90 +144,79 @@ def actuate(state, action, lag):
 
 @kernel
 def suspension(state, params):
-    """Damping gamma [1/s], w2 [1/s^2] and push [m/s^2] that the positions held and the payload give."""
+    """Damping gamma [1/s], w2 [1/s^2] and force over sprung mass [m/s^2] that the positions held give."""
     if params.active > 0.0:
-        return params.passive_damping, params.w2, state.payload + params.push * state.held[0]
+        return params.passive_damping, params.w2, params.push * state.held[0]
     gamma = math.exp(params.damping_centre + params.damping_half * state.held[0])
     modulus = math.exp(params.modulus_centre + params.modulus_half * state.held[1])
-    return gamma, params.w2 * modulus, state.payload
+    return gamma, params.w2 * modulus, 0.0
 
 
 @kernel
-def over_sines(state, gamma, w2, params, undulation):
-    """Height r of the sines under the wheel, and the steady ride over them: its height and velocity.
+def rest(state, params, tyre):
+    """Put the mass, on level ground, where spring and tyre balance force and payload; at the scene's speed."""
+    _, w2, force = suspension(state, params)
+    state.travel = (force + state.payload) / w2
+    state.speed = params.speed
+    if tyre is not None:
+        settle(state, params, tyre)
 
-    The transfer function from r to zeta at the angular frequency W is
-    (w2 + [i gamma W]) / (w2 - W^2 + i gamma W).
+
+@kernel
+def ride(
+    state, t, gamma, w2, force, target, params, undulation, road, profile, bumps, obstacle, wheel, tyre, stop, cruise
+):
+    """Ride for the time t [s] with constant damping, spring, force and `target` of the speed [m/s], exactly.
+
+    The road's knots and the instant at which the speed is reached divide it. Without a tyre, sines exclude a stop,
+    and a change of speed excludes sines and absolute damping.
     """
-    terrain, height, velocity = 0.0, 0.0, 0.0
-    for i in range(WAVES):
-        amplitude, number = wave(i, undulation)
-        frequency = number * params.speed
-        sine, cosine = amplitude * state.wave_sin[i], amplitude * state.wave_cos[i]
-        drag, spring = gamma * frequency, w2 - frequency * frequency
-        size = spring * spring + drag * drag
-        real = (w2 * spring + params.relative * drag * drag) / size
-        imaginary = drag * (params.relative * spring - w2) / size
-        terrain += sine
-        height += real * sine + imaginary * cosine
-        velocity += frequency * (real * cosine - imaginary * sine)
-    return terrain, height, velocity
-
-
-@kernel
-def straight(state, u, v, slope, gamma, w2, push, t, params, stop):
-    """Ride for the time t over ground of one slope [height over time, m/s]: travel and velocity of the mass."""
-    push -= (1.0 - params.relative) * gamma * slope
-    if stop is None:
-        x, rate = free_motion(u - push / w2, v - slope, gamma, w2, t)
-        return x + push / w2, rate + slope
-    u, rate, state.side, touches, fault = move_with_stop(
-        u, v - slope, state.side, gamma, w2, push, stop.rate / params.mass, stop.travel, t
-    )
-    state.touches += touches
-    if fault:
-        state.fault = True
-    return u, rate + slope
-
-
-@kernel
-def ride(state, t, gamma, w2, push, params, undulation, road, profile, bumps, obstacle, wheel, tyre, stop, cruise):
-    """Ride for the time t [s] with constant damping, spring and push, exactly.
-
-    Over sines, u here is the travel without them and without the steady ride over them. A stop excludes sines.
-    """
-    u, v = state.travel, state.velocity
-    if undulation is not None:
-        terrain, height, velocity = over_sines(state, gamma, w2, params, undulation)
-        u, v = u + terrain - height, v - velocity
-    if road is None:
-        u, v = straight(state, u, v, 0.0, gamma, w2, push, t, params, stop)
-    else:
-        left = t
-        while left > 0.0:
-            slope = slope_of_road(state, road) * params.speed
-            piece = state.to_knot / params.speed
-            if piece <= left:
-                u, v = straight(state, u, v, slope, gamma, w2, push, piece, params, stop)
+    if tyre is None:
+        if undulation is not None:
+            enter_sines(state, gamma, w2, params, undulation)
+    left, speed, acceleration = t, params.speed, 0.0
+    while left > 0.0:
+        piece, slope, passes, arrives = left, 0.0, False, False
+        if cruise is not None:
+            speed = state.speed
+            acceleration, time = acceleration_to(speed, target, cruise)
+            if time <= piece:
+                piece, arrives = time, True
+        if road is not None:
+            slope, time = slope_of_road(state, road), state.to_knot / speed
+            if cruise is not None:
+                time = time_to_cover(state.to_knot, speed, acceleration)
+            if time <= piece:
+                piece, passes, arrives = time, True, arrives and time == piece
+        way = speed * piece
+        if cruise is not None:
+            way += 0.5 * acceleration * piece * piece
+            state.speed = target if arrives else speed + acceleration * piece
+        if tyre is None:
+            follow(state, piece, gamma, w2, force + state.payload, slope, speed, acceleration, params, stop, cruise)
+            if undulation is not None:
+                roll_undulation(state, way, undulation)
+        else:
+            drive(state, piece, gamma, w2, force, slope, speed, acceleration, params, undulation, tyre, stop)
+        if road is not None:
+            if passes:
                 pass_knot(state, road, profile, bumps, obstacle, wheel)
             else:
-                u, v = straight(state, u, v, slope, gamma, w2, push, left, params, stop)
-                state.to_knot = max(0.0, state.to_knot - params.speed * left)
-            left -= piece
-    if undulation is not None:
-        roll_undulation(state, params.speed * t, undulation)
-        terrain, height, velocity = over_sines(state, gamma, w2, params, undulation)
-        u, v = u - terrain + height, v + velocity
-    state.travel, state.velocity = u, v
+                state.to_knot = max(0.0, state.to_knot - way)
+        state.distance += way
+        left -= piece
+    if tyre is None:
+        if undulation is not None:
+            leave_sines(state, gamma, w2, params, undulation)
 
 
 @kernel
-def begin_tick(state, action, lag):
+def begin_tick(state, action, lag, cruise):
     """What is fixed for a tick: the mean positions of actuators that lag, and where its means are taken from."""
     state.time_to_tick = TICK
     state.tick_travel, state.tick_velocity = state.travel, state.velocity
     if lag is not None:
-        actuate(state, action, lag)
+        actuate(state, action, lag, cruise)
 
 
 @kernel
@@ -242,21 +231,23 @@ def end_tick(state, gamma, params, tyre):
 def advance(
     state, action, params, undulation, road, profile, bumps, obstacle, wheel, tyre, stop, lag, cruise, textbook
 ):
-    """Move by one control interval; `action` in [-1, 1]: damping and modulus (logarithmic), or the force.
+    """Move by one control interval; `action` in [-1, 1]: damping and modulus (logarithmic), or the force; the speed.
 
-    Actuators that lag move at the ticks, others at once.
+    Actuators that lag move at the ticks, others at once; the speed is an action with `cruise`.
     """
     state.touches = 0
     if lag is None:
-        actuate(state, action, lag)
-    left = params.dt
+        actuate(state, action, lag, cruise)
+    left, target = params.dt, params.speed
+    if cruise is not None:
+        target = commanded_speed(action[action.shape[0] - 1], cruise)
     while left > 0.0:
         if state.time_to_tick == 0.0:
-            begin_tick(state, action, lag)
+            begin_tick(state, action, lag, cruise)
         piece = piece_of(left, state.time_to_tick)
-        gamma, w2, push = suspension(state, params)
+        gamma, w2, force = suspension(state, params)
         ride(
-            state, piece, gamma, w2, push, params,
+            state, piece, gamma, w2, force, target, params,
             undulation, road, profile, bumps, obstacle, wheel, tyre, stop, cruise,
         )  # fmt: skip
         left -= piece
