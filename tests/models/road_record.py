@@ -1,0 +1,30 @@
+"""A record with a road and nothing else, for tests."""
+
+import dataclasses
+
+import numpy as np
+
+from vr_envs.models.record import dtype_of, pack, quantity
+from vr_envs.models.road import RoadState, draw_road
+
+
+@dataclasses.dataclass(frozen=True)
+class Drive(RoadState):
+    key: int = quantity(0, "", "episode key", kind="key")
+
+
+def fresh(key):
+    state = np.zeros(1, dtype_of(Drive))[0]
+    state["key"] = key
+    return state
+
+
+def packed(*options):
+    return tuple(None if option is None else pack(option) for option in options)
+
+
+def knots(key, count, road, profile=None, bumps=None, obstacle=None, wheel=None):
+    """Heights of the first knots."""
+    heights = np.empty(count)
+    draw_road(fresh(key), heights, *packed(road, profile, bumps, obstacle, wheel))
+    return heights
