@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-import math
+from typing import Any
 
 import numpy as np
 
@@ -19,18 +19,32 @@ from vr_envs.envs.terrain_ride_observation import (
     lateness,
     observe,
 )
+from vr_envs.envs.terrain_ride_rules import validate
 from vr_envs.models import terrain_ride as model
 from vr_envs.models.jit import kernel
 from vr_envs.models.noise import uniform
 from vr_envs.models.record import quantity
 from vr_envs.models.ride_meter import readings
 from vr_envs.models.ride_options import ActuatorLag, Cruise, Payload, Textbook, Tyre
-from vr_envs.models.road import RING, start_road
+from vr_envs.models.road import start_road
 from vr_envs.models.road_options import Bumps, Obstacle, Profile, Road, Wheel
 from vr_envs.models.terrain import Undulation, start_undulation
 from vr_envs.models.travel_stop import TravelStop
 
 _PAYLOAD_DRAW = 1 << 49
+
+QUARTER_CAR: dict[str, Any] = {
+    "damping_low": 1.0,
+    "damping_high": 14.0,
+    "tyre": True,
+    "road": {"knot_spacing": 0.1},
+    "bumps": True,
+    "stop": True,
+    "payload": True,
+    "lag": True,
+    "preview": True,
+    "noise": True,
+}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -116,41 +130,6 @@ def metrics(states: np.ndarray, scene: Scene) -> dict[str, np.ndarray]:
     }
 
 
-def validate(scene: Scene) -> None:
-    """Ranges in order; the payload within the stops; the preview within the knots that are kept.
-
-    A stop and bumps need a road of straight pieces.
-    """
-    p, options = scene.params, scene.options
-    road, bumps, preview, payload, stop = (options[k] for k in ("road", "bumps", "preview", "payload", "stop"))
-    orders = [
-        ("damping_low", p.damping_low, "damping_high", p.damping_high, True),
-        ("modulus_low", p.modulus_low, "modulus_high", p.modulus_high, True),
-    ]
-    if bumps is not None:
-        orders += [
-            ("bumps.low", bumps.low, "bumps.high", bumps.high, False),
-            ("bumps.shortest", bumps.shortest, "bumps.longest", bumps.longest, False),
-            ("2 bumps.longest", 2.0 * bumps.longest, "bumps.stretch", bumps.stretch, False),
-        ]
-    if preview is not None and road is not None:
-        reach = (RING - 4) * road.knot_spacing
-        orders.append(("speed * preview.horizon", p.speed * preview.horizon, "60 road.knot_spacing", reach, False))
-    if payload is not None and stop is not None:
-        sag = payload.size / p.w2 * (1.0 if p.active else math.exp(-p.modulus_centre))
-        orders.append(("payload.size over the spring", sag, "stop.travel", stop.travel, True))
-    for low_name, low, high_name, high, strict in orders:
-        if low > high or (strict and low == high):
-            rule = "be below" if strict else "not exceed"
-            raise ValueError(f"{low_name} = {low:g} is not allowed; it must {rule} {high_name} = {high:g}")
-    if bumps is not None and road is None:
-        raise ValueError("bumps = {...} is not allowed without a road; give road = true, or bumps = null")
-    if stop is not None and options["undulation"] is not None:
-        raise ValueError("stop = {...} is not allowed over an undulation; give undulation = null and road = true")
-    if options["undulation"] is None and road is None:
-        raise ValueError("road = null is not allowed without an undulation; give one of the two")
-
-
 def _control_interval(scene: Scene) -> float:
     return scene.params.dt
 
@@ -183,6 +162,19 @@ TASK = Task(
             "payload": True,
             "lag": True,
             "preview": True,
+            "noise": True,
+        },
+        "quarter-car": QUARTER_CAR,
+        "active": {**QUARTER_CAR, "actuation": "active", "passive_damping": 3.0},
+        "journey": {
+            "speed": 15.0,
+            "cruise": {"fastest": 25.0, "schedule": 15.0},
+            "road": {"knot_spacing": 0.4},
+            "bumps": True,
+            "stop": True,
+            "payload": True,
+            "lag": True,
+            "preview": {"horizon": 1.6, "samples": 20},
             "noise": True,
         },
         "lecture": {"undulation": True, "damping": "absolute"},
