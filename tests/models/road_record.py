@@ -1,20 +1,13 @@
-"""A record with a road and nothing else, for tests."""
-
-import dataclasses
+"""Roads for tests: their records and knots."""
 
 import numpy as np
 
-from vr_envs.models.record import dtype_of, pack, quantity
-from vr_envs.models.road import RoadState, draw_road
-
-
-@dataclasses.dataclass(frozen=True)
-class Drive(RoadState):
-    key: int = quantity(0, "", "episode key", kind="key")
+from vr_envs.models.record import dtype_of, pack
+from vr_envs.models.road import RoadAlone, draw_road
 
 
 def fresh(key):
-    state = np.zeros(1, dtype_of(Drive))[0]
+    state = np.zeros(1, dtype_of(RoadAlone))[0]
     state["key"] = key
     return state
 

@@ -44,4 +44,10 @@ HORIZONTAL = (
 
 SEARCH = (Experiment("grazing", "Section III.D", "first contacts of a million grazing launches", "grazing:grazing"),)
 
-EXPERIMENTS: dict[str, Experiment] = {e.name: e for e in (*VISION, *LENS, *VERTICAL, *SEARCH, *HORIZONTAL)}
+RIDE = (
+    Experiment(
+        "road-spectrum", "ISO 8608", "densities of three road classes over the formula", "road_spectrum:road_spectrum"
+    ),
+)
+
+EXPERIMENTS: dict[str, Experiment] = {e.name: e for e in (*VISION, *LENS, *VERTICAL, *SEARCH, *HORIZONTAL, *RIDE)}

@@ -44,6 +44,13 @@ class RoadState:
     raw: float = quantity(0.0, "m", "ring of knots of the bare profile, with a wheel of finite radius", shape=(RAW,))
 
 
+@dataclasses.dataclass(frozen=True)
+class RoadAlone(RoadState):
+    """A record of a road without a vehicle."""
+
+    key: int = quantity(0, "", "episode key", kind="key")
+
+
 @kernel
 def roughness_deviation(density, cutoff):
     """Standard deviation [m] of the roughness with the density Gd(n0) [m^3] and the cut-off [cycle/m]."""
