@@ -32,6 +32,7 @@ class Plant:
     road: np.ndarray  # (width,)
     felt: np.ndarray  # (width,)
     jolt: float
+    carried: np.ndarray  # (width,), x where f carries a load of 1 m/s^2: that of the tyre is left
 
     @property
     def width(self) -> int:
@@ -46,11 +47,14 @@ def plant_of(scene: Scene) -> Plant:
     if tyre is None:
         jolt = gamma * p.relative
         felt = np.array([-p.w2, -gamma])
-        return Plant(np.array([[0.0, 1.0], felt]), np.array([0.0, 1.0]), np.array([-1.0, jolt]), felt, jolt)
+        return Plant(
+            np.array([[0.0, 1.0], felt]), np.array([0.0, 1.0]), np.array([-1.0, jolt]), felt, jolt, np.zeros(2)
+        )
     ratio, stiffness = p.mass / tyre.unsprung_mass, tyre.rate / tyre.unsprung_mass
     felt = np.array([-p.w2, -gamma, 0.0, gamma])
     a = np.array([[0.0, 1.0, 0.0, -1.0], felt, [0.0, 0.0, 0.0, 1.0], -ratio * felt - [0.0, 0.0, stiffness, 0.0]])
-    return Plant(a, np.array([0.0, 1.0, 0.0, -ratio]), np.array([0.0, 0.0, -1.0, 0.0]), felt, 0.0)
+    force, road = np.array([0.0, 1.0, 0.0, -ratio]), np.array([0.0, 0.0, -1.0, 0.0])
+    return Plant(a, force, road, felt, 0.0, np.array([0.0, 0.0, p.mass / tyre.rate, 0.0]))
 
 
 def weights(plant: Plant, travel: float, tyre: float) -> np.ndarray:
@@ -137,7 +141,7 @@ def rises_ahead(reading: Reading, scene: Scene, times: np.ndarray) -> np.ndarray
     """
     heights = np.concatenate([np.zeros((len(reading.ahead), 1)), reading.ahead], axis=1)
     last = heights.shape[1] - 1
-    place = np.minimum(reading.speed[:, None] * times / distances_ahead(scene)[0], last)
+    place = np.clip(reading.speed[:, None] * times / distances_ahead(scene)[0], 0.0, last)
     left = np.minimum(place.astype(int), last - 1)
     below, above = (np.take_along_axis(heights, index, axis=1) for index in (left, left + 1))
     return np.diff(below + (place - left) * (above - below), axis=1)

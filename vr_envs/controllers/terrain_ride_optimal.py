@@ -107,7 +107,7 @@ class OptimalRide(RideLaw):
         rate = reading.travel_rate if p.relative else reading.velocity
         given = p.push * reading.position[:, 0]
         load = self.observer.update(reading, given - p.w2 * reading.travel - p.passive_damping * rate)
-        states = states_of(reading, self.plant)
+        states = states_of(reading, self.plant) - np.outer(load, self.plant.carried)
         if len(self.gain) > self.plant.width:
             states = np.column_stack([states, given + load])
         return force_actions(self.wanted(states, reading, 0.0) - load, self.scene)
@@ -118,18 +118,19 @@ class OptimalRide(RideLaw):
         given = -damping * reading.travel_rate - p.w2 * modulus * reading.travel
         load = self.observer.update(reading, given)
         states, rate = self._expected(reading, given, load)
-        travel = states[:, 0]
+        travel, states = states[:, 0], states - np.outer(load, self.plant.carried)
         # what damper and spring are to give together
         needed = self.wanted(states, reading, lead) - p.w2 * travel - load
-        rate, short = away_from_zero(rate, SLOW), away_from_zero(travel, SHORT)
-        damping = np.clip(-(needed + p.w2 * nominal * travel) / rate, self.gains["least"], p.damping_high)
-        modulus = np.clip(-(needed + damping * rate) / (p.w2 * short), p.modulus_low, p.modulus_high)
+        damping = -(needed + p.w2 * nominal * travel) / away_from_zero(rate, SLOW)
+        damping = np.clip(damping, self.gains["least"], p.damping_high)
+        modulus = -(needed + damping * rate) / (p.w2 * away_from_zero(travel, SHORT))
+        modulus = np.clip(modulus, p.modulus_low, p.modulus_high)
         return damping_actions(damping, modulus, self.scene)
 
     def _expected(self, reading: Reading, given: np.ndarray, load: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """States and rate of the travel after `lead`, damper and spring giving the mass the acceleration `given`."""
         lead, now = self.gains["lead"], states_of(reading, self.plant)
-        free, force, carried, road = transition(self.plant, lead)
+        free, force, loaded, road = transition(self.plant, lead)
         follows = self.scene.options["tyre"] is None
         if self.LOOKS_AHEAD:
             rises = rises_ahead(reading, self.scene, np.array([0.0, lead, lead + self.scene.params.dt]))
@@ -139,7 +140,7 @@ class OptimalRide(RideLaw):
             ground = self.gains["persistence"] * (reading.velocity - reading.travel_rate) * follows
             rise = ground * lead
         beside = given - now @ self.plant.felt
-        states = now @ free.T + np.outer(beside, force) + np.outer(load, carried) + np.outer(rise, road)
+        states = now @ free.T + np.outer(beside, force) + np.outer(load, loaded) + np.outer(rise, road)
         return states, states[:, 1] - (ground if follows else states[:, 3])
 
 

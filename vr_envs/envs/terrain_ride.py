@@ -169,7 +169,7 @@ TASK = Task(
         "journey": {
             "speed": 15.0,
             "cruise": {"fastest": 25.0, "schedule": 15.0},
-            "road": {"knot_spacing": 0.4},
+            "road": True,
             "bumps": True,
             "stop": True,
             "payload": True,
