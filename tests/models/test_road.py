@@ -115,3 +115,15 @@ def test_a_flat_road_has_its_features_alone():
     assert knots(1, 300, flat, bumps=Bumps()) == pytest.approx(
         np.array([bump_height(1, d, pack(Bumps())) for d in x]), abs=1e-15
     )
+
+
+def test_a_road_does_not_end():
+    """Far beyond any ride, where counters of different uses meet, knots are still finite and differ."""
+    options = packed(Road(), *FEATURES, None)
+    state = fresh(6)
+    start_road(state, *options)
+    state["knot"] = 2**44
+    for _ in range(2 * RING):
+        pass_knot(state, *options)
+    assert np.isfinite(state["knots"]).all()
+    assert len(set(state["knots"])) == RING

@@ -162,3 +162,8 @@ def test_the_textbook_engine_knows_the_lecture_alone():
         resolve(TASK, {"base": "lecture", "damping": "relative"}, "textbook")
     with pytest.raises(ValueError, match="engine 'textbook' does not know the option 'stop'"):
         resolve(TASK, {"damping": "absolute"}, "textbook")
+
+
+def test_a_disc_over_sines_is_refused():
+    with pytest.raises(ValueError, match=r"wheel = .* over an undulation with the engine 'rigid_body'"):
+        resolve(TASK, {"wheel": True, "undulation": True, "stop": None}, "rigid_body")

@@ -60,7 +60,7 @@ class Profile:
 
     The ride begins on its first point, and all heights count from there; the last height goes on. It is sampled at the
     road's knots, which is exact where `spacing` is a whole multiple of their distance. The scene takes the path of a
-    CSV file in its place.
+    CSV file in its place, such as docs/road_profile.csv.
     """
 
     spacing: float = quantity(0.2, "m", "distance between the points", low=1e-3, high=100.0)

@@ -5,8 +5,9 @@ A rigid disc of radius R that stands on the ground r(x), without overlap, has it
     c(x) = max over |s| < R of  r(x + s) + sqrt(R^2 - s^2),
 
 which is r + R on level ground; heights here are c - R. On a straight piece of slope p the maximum is where the circle
-touches it, s = R p / sqrt(1 + p^2), or else at an end. Between knots the path is straight by definition, and the tyre's
-force is taken to be vertical.
+touches it, s = R p / sqrt(1 + p^2), or else at an end. The path is exact at the knots and straight between them by
+definition; of an arc about an edge that leaves out h^2 / (8 R) at most, with h between the knots (1 mm for 0.05 m and
+0.3 m). The tyre's force is taken to be vertical.
 """
 
 from __future__ import annotations
