@@ -93,6 +93,17 @@ def test_a_car_in_the_air_falls_freely(step):
     assert np.abs(momentum - begin - fallen).max() < 3.0 * patch
 
 
+def test_a_dropped_car_lands_as_the_exact_one_does():
+    """On level ground, where a contact may overlap least."""
+    scene = {**QUARTER_CAR, **LEVEL, **UNLOADED}
+    start = {"deflection": 0.1, "hub_velocity": -1.0, "velocity": -0.5, "travel": 0.06, "airborne": True}
+    exact, *found = (moved(world(step, **scene), 12, **start) for step in (None, 1e-3, 1e-4))
+    assert exact["airborne"][0] and not exact["airborne"][-1]
+    for field in CAR:
+        coarse, fine = (np.abs(one[field] - exact[field]).max() for one in found)
+        assert fine < 0.15 * coarse and fine < 8e-4 * np.abs(exact[field]).max()
+
+
 @pytest.mark.parametrize("scene", [{}, QUARTER_CAR], ids=str)
 def test_a_levelled_car_stays_at_rest_whatever_its_modulus(scene):
     rows = moved(world(1e-3, **LEVEL, **UNLOADED, **scene), 20)
@@ -121,9 +132,9 @@ def test_the_wheel_stays_on_the_ground_whatever_pulls_at_it():
 
 
 def test_speed_and_way_are_those_of_the_exact_ride():
-    scene = {"cruise": {"acceleration": 20.0}, "dt": 0.013}
+    scene = {"cruise": {"acceleration": 20.0, "slowest": 19.3, "fastest": 20.7}, "dt": 0.013}
     exact, found = moved(world(**scene), 60), moved(world(1e-4, **scene), 60)
-    assert np.ptp(exact["speed"]) > 3.0
+    assert np.ptp(exact["speed"]) > 1.0  # and it is reached within some intervals
     for field in ("speed", "distance", "to_knot", "knot"):
         assert np.allclose(found[field], exact[field], 1e-12, 1e-12)
     assert np.abs(found["travel"] - exact["travel"]).max() < 5e-3 * np.abs(exact["travel"]).max()
