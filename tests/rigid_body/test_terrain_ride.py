@@ -8,7 +8,9 @@ import pytest
 from vr_envs.envs.scene import resolve
 from vr_envs.envs.terrain_ride import TASK
 from vr_envs.envs.world import World
+from vr_envs.models.quarter_car import lift_off
 from vr_envs.models.ride_options import G
+from vr_envs.rigid_body.terrain_ride import Vehicle
 
 RIDE = ("travel", "velocity")
 CAR = (*RIDE, "deflection", "hub_velocity")
@@ -102,6 +104,22 @@ def test_a_dropped_car_lands_as_the_exact_one_does():
     for field in CAR:
         coarse, fine = (np.abs(one[field] - exact[field]).max() for one in found)
         assert fine < 0.15 * coarse and fine < 8e-4 * np.abs(exact[field]).max()
+
+
+def test_joints_and_contacts_are_put_right_within_a_step():
+    """The patch hangs at the tyre's free length, and lies on the ground as soon as it has landed."""
+    car = world(1e-4, **QUARTER_CAR, **LEVEL, **UNLOADED)
+    hanging, landing = car.states[0].copy(), car.states[0].copy()
+    limit = lift_off(car.params, dict(zip(car.scene.options, car.options, strict=True))["tyre"])
+    for state, height, falling in ((hanging, 0.1, 1.0), (landing, 0.003, -1.0)):
+        state["deflection"], state["hub_velocity"], state["travel"] = limit + height, falling, 0.06
+        state["airborne"] = True
+    air, ground = (Vehicle(car.simulator, state, 0.01, 20.0) for state in (hanging, landing))
+    air.run()
+    ground.run()
+    assert hanging["airborne"] and not landing["airborne"]
+    assert abs(air.hub.position.y - air.wheel.position.y - air.free) < 2e-6
+    assert abs(ground.wheel.position.y) < 2e-6
 
 
 @pytest.mark.parametrize("scene", [{}, QUARTER_CAR], ids=str)
