@@ -85,6 +85,7 @@ class OptimalRide(RideLaw):
         travel = self.gains["travel"] * (p.comfort / p.rattle) ** 2
         self.gain, self.ahead = optimal_feedback(self.plant, travel, self.gains["tyre"], p.dt, samples, delay)
         self.times = p.dt * np.arange(samples + 1)
+        self.motion = transition(self.plant, self.gains["lead"]) if "lead" in self.gains else ()
         self.observer = LoadObserver(scene, self.gains["load"])
 
     def reset(self, n: int) -> None:
@@ -130,7 +131,7 @@ class OptimalRide(RideLaw):
     def _expected(self, reading: Reading, given: np.ndarray, load: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """States and rate of the travel after `lead`, damper and spring giving the mass the acceleration `given`."""
         lead, now = self.gains["lead"], states_of(reading, self.plant)
-        free, force, loaded, road = transition(self.plant, lead)
+        free, force, loaded, road = self.motion
         follows = self.scene.options["tyre"] is None
         if self.LOOKS_AHEAD:
             rises = rises_ahead(reading, self.scene, np.array([0.0, lead, lead + self.scene.params.dt]))
