@@ -11,6 +11,7 @@ from vr_envs.envs.batch import BatchEnv
 from vr_envs.envs.scalar import ScalarEnv
 from vr_envs.envs.scene import Scene
 from vr_envs.envs.task import Task
+from vr_envs.envs.terrain_ride_engines import ENGINES
 from vr_envs.envs.terrain_ride_observation import (
     Preview,
     SensorNoise,
@@ -194,7 +195,7 @@ TASK = Task(
     metrics=metrics,
     dt=_control_interval,
     validate=validate,
-    engines={"textbook": Textbook},
+    engines=ENGINES,
 )
 
 

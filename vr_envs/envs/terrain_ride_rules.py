@@ -40,6 +40,7 @@ def validate(scene: Scene) -> None:
         raise ValueError("road = null is not allowed without an undulation; give one of the two")
     if options["tyre"] is None:
         _check_follower(scene)
+    _check_engine(scene)
 
 
 def _check_follower(scene: Scene) -> None:
@@ -56,4 +57,19 @@ def _check_follower(scene: Scene) -> None:
         raise ValueError(
             "damping = 'absolute' is not allowed with cruise and without a tyre; "
             "give damping = 'relative', or tyre = true"
+        )
+
+
+def _check_engine(scene: Scene) -> None:
+    """What the engine of the scene knows one by one but not together, or of the lecture alone."""
+    options = scene.options
+    if scene.engine == "textbook" and scene.params.relative:
+        raise ValueError(
+            "damping = 'relative' is not allowed with the engine 'textbook': the lecture's factor k_d damps the mass's "
+            "own velocity; give damping = 'absolute'"
+        )
+    if scene.engine == "rigid_body" and options["wheel"] is not None and options["undulation"] is not None:
+        raise ValueError(
+            "wheel = {...} is not allowed over an undulation with the engine 'rigid_body', whose disc stands on a road "
+            "alone; give undulation = null, or wheel = null"
         )
