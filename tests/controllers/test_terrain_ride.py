@@ -31,6 +31,17 @@ def test_actions_are_bounded_over_the_whole_box_and_every_gain(scene):
             assert (np.abs(actions) <= 1).all()
 
 
+@pytest.mark.parametrize("dt", [0.001, 1.0, 10.0])
+@pytest.mark.parametrize("scene", ["road", "active"])
+def test_laws_can_be_made_for_every_control_interval(scene, dt):
+    resolved = resolve(TASK, {"base": scene, "dt": dt})
+    rows = np.random.default_rng(0).uniform(-1, 1, (5, len(TASK.observation_channels(resolved)))).astype(np.float32)
+    for law in laws_of(TASK, resolved).values():
+        policy = law(resolved)
+        policy.reset(5)
+        assert np.isfinite(policy(rows)).all()
+
+
 @pytest.mark.parametrize(
     ("scene", "absent"),
     [

@@ -85,6 +85,7 @@ class OptimalRide(RideLaw):
         travel = self.gains["travel"] * (p.comfort / p.rattle) ** 2
         self.gain, self.ahead = optimal_feedback(self.plant, travel, self.gains["tyre"], p.dt, samples, delay)
         self.times = p.dt * np.arange(samples + 1)
+        self.motion = transition(self.plant, self.gains.get("lead", p.dt))
         self.observer = LoadObserver(scene, self.gains["load"])
 
     def reset(self, n: int) -> None:
@@ -130,7 +131,7 @@ class OptimalRide(RideLaw):
     def _expected(self, reading: Reading, given: np.ndarray, load: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """States and rate of the travel after `lead`, damper and spring giving the mass the acceleration `given`."""
         lead, now = self.gains["lead"], states_of(reading, self.plant)
-        free, force, loaded, road = transition(self.plant, lead)
+        free, force, loaded, road = self.motion
         follows = self.scene.options["tyre"] is None
         if self.LOOKS_AHEAD:
             rises = rises_ahead(reading, self.scene, np.array([0.0, lead, lead + self.scene.params.dt]))
@@ -144,7 +145,7 @@ class OptimalRide(RideLaw):
         return states, states[:, 1] - (ground if follows else states[:, 3])
 
 
-WEIGHTS: Ranges = {"travel": (0.1, 10.0, 1.0), "tyre": (1.0, 1e6, 1e3), "load": (0.1, 30.0, 3.0)}
+WEIGHTS: Ranges = {"travel": (0.1, 10.0, 1.0), "tyre": (1.0, 1e6, 1e4), "load": (0.1, 30.0, 3.0)}
 CLIPPED: Ranges = {**WEIGHTS, "least": LEAST, "modulus": MODULUS, "lead": (0.002, 0.05, 0.015)}
 
 

@@ -209,7 +209,8 @@ class TerrainRideEnv(ScalarEnv):
     default scene is a quarter of a car, 290 kg at 20 m/s on an ISO 8608 road of class C with bumps and dips, with
     rubber stops at 80 mm of travel, an unknown payload, lagging actuators and 0.3 s of the road ahead in view. The
     spring acts about its levelled equilibrium, so that a change of modulus does not lift the mass. Motion over a
-    control interval (0.01 s) is exact, contacts with the stops included.
+    control interval (`dt`, 0.01 s) is exact, contacts with the stops included. Actuators that lag, the frequency
+    weighting and the metrics work at ticks of 0.01 s, whatever the control interval is.
 
     ## Action Space
     `Box(-1, 1, (2,), float32)`, logarithmic, 0 is the geometric mean of both ends:
@@ -219,28 +220,35 @@ class TerrainRideEnv(ScalarEnv):
     | 0 | damping c/m between mass and wheel | 0.3 1/s | 10 1/s |
     | 1 | modulus of the spring, as a fraction of 16812 N/m | 0.5 | 2 |
 
-    With `actuation = "active"`, `Box(-1, 1, (1,), float32)`: a force between mass and wheel, -1450 N (pulls the mass
-    down) to 1450 N, beside the spring at modulus 1 and a damping of 1 1/s.
+    In the scene "quarter-car" the damping is 1 to 14 1/s. In "active", `Box(-1, 1, (1,), float32)`: a force between
+    mass and wheel, -1450 N (pulls the mass down) to 1450 N, beside the spring at modulus 1 and a damping of 3 1/s. In
+    "journey" one action more, the last: the speed, linear, 5 m/s at -1 to 25 m/s at 1; it goes there at 3 m/s^2.
 
     ## Observation Space
-    `Box(float32)` of 17 numbers (16 with a force); numbers 0-4 and the road within [-5, 5], the actuators in [-1, 1].
-    Sensor errors are uniform with the standard deviation given.
+    `Box(float32)` of 17 numbers; numbers 0-4 and the road within [-5, 5], the actuators in [-1, 1]. Sensor errors are
+    uniform with the standard deviation given.
 
     | # | quantity | unit | 1 stands for | error |
     |---|---|---|---|---|
     | 0 | travel: height of the mass over the wheel, from levelled rest | m | 0.05 m | 0.5 mm |
-    | 1 | travel rate, mean over the last interval | m/s | 0.5 m/s | 0.02 m/s |
+    | 1 | travel rate, mean over the last tick | m/s | 0.5 m/s | 0.02 m/s |
     | 2 | vertical velocity of the mass | m/s | 0.5 m/s | 0.02 m/s |
-    | 3 | vertical acceleration of the mass, mean over the last interval | m/s^2 | 2 m/s^2 | 0.1 m/s^2 |
+    | 3 | vertical acceleration of the mass, mean over the last tick | m/s^2 | 2 m/s^2 | 0.1 m/s^2 |
     | 4 | the acceleration through the frequency weighting Wk of ISO 2631-1 | m/s^2 | 2 m/s^2 | none |
     | 5, 6 | present positions of the actuators, damping and modulus (5: of the force) | 1 | as the action | none |
     | 7-16 | height of the road 0.03, 0.06 ... 0.3 s ahead over the road under the wheel | m | 0.05 m | none |
+
+    A tyre adds two numbers after the first five: its deflection (height of the hub over the ground from levelled rest;
+    1 is 0.02 m, error 0.5 mm) and the hub's vertical velocity (1 is 1 m/s, error 0.05 m/s). A choice of speed adds two
+    there: the speed (1 is the fastest one) and the distance behind the schedule (1 is `cruise.lateness`). The road
+    ahead is then at fixed distances, 1.2 m to 24 m in "journey".
 
     `vr_envs.envs.terrain_ride_observation.read` turns a batch back into SI units.
 
     ## Rewards
     1 / (1 + (a / 1 m/s^2)^2 + (u / 30 mm)^2) at the end of the interval, with the weighted acceleration a and the
-    travel u: 1 is perfect. 0 for an interval with a stop in contact.
+    travel u: 1 is perfect. 0 for an interval with a stop in contact. The load of a tyre is measured, not rewarded.
+    With a schedule, times 1 / (1 + (distance behind it / 5 m)^2); being early earns nothing.
 
     ## Starting State
     The mass at rest at the equilibrium that its payload gives, actuators at 0. Drawn for the episode: the payload,
@@ -249,18 +257,24 @@ class TerrainRideEnv(ScalarEnv):
 
     ## Episode End
     Terminated when, at a control instant, a stop's rubber is compressed by more than 15 mm (a compression that comes
-    and goes within one interval does not count), or when a search for its contacts does not end (`fault`); never
-    without a stop. Truncated after 1000 steps by the registered time limit.
+    and goes within one interval does not count), or when a search for contacts does not end (`fault`); never without
+    a stop. Truncated after 1000 steps by the registered time limit.
 
     At the end `info` holds `is_success` (no stop hit, rms acceleration below 1 m/s^2 and rms travel below 30 mm),
-    `acceleration_rms_m_s2` (weighted), `travel_rms_mm`, `travel_peak_mm`, `stop_hits` and `fault`.
+    `acceleration_rms_m_s2` (weighted), `unweighted_rms_m_s2`, `vdv_m_s175` (vibration dose), `jerk_rms_m_s3`,
+    `travel_rms_mm`, `travel_peak_mm`, `stop_hits`, `force_rms_n` (of damper or force), `tyre_load_rms` (dynamic over
+    static) and `airborne_fraction` (both 0 without a tyre), `mean_speed_m_s`, `lateness_m` and `fault`.
 
     ## Arguments
-    - `scene`: "road" (default), "lecture" (the lecture's model and nothing else: three sines for terrain, damping of
-      the mass's own velocity as its factor k_d has it, no stop, payload, lag, preview or sensor error), or a dict of
-      overrides: the fields of `vr_envs.models.terrain_ride.Params` (`{"actuation": "active"}` for a force), and the
-      options `undulation` (sines), `road` (`iso_class` "A" to "H"), `bumps`, `stop`, `payload`, `lag`, `preview` and
-      `noise`, each null, true or a dict of its fields. A stop excludes sines, bumps need a road.
+    - `scene`: "road" (default); "quarter-car" (the wheel has 59 kg and a tyre that pushes but does not pull, and leaves
+      the ground); "active" (the same with a force); "journey" (over a wheel that follows the ground, the speed is an
+      action and there is a schedule); "lecture" (the lecture's model and nothing else: three sines for terrain,
+      damping of the mass's own velocity as its factor k_d has it, no stop, payload, lag, preview or sensor error); or
+      a dict of overrides: the fields of `vr_envs.models.terrain_ride.Params`, and the options `undulation` (sines),
+      `road` (`iso_class` "A" to "H" or "flat"), `profile` (heights, or the path of a CSV file), `bumps`, `obstacle`,
+      `wheel` (of finite radius), `tyre`, `stop`, `payload`, `lag`, `cruise`, `preview` and `noise`, each null, true or
+      a dict of its fields. docs/terrain_ride.md says what they are and which exclude each other.
+    - `engine`: "exact" (default), or "textbook" (the lecture's recurrence) where it knows the scene's options.
     - `render_mode`: None, "rgb_array" or "human".
 
     ## Version History

@@ -55,6 +55,9 @@ RIDE = (
     Experiment(
         "road-spectrum", "ISO 8608", "densities of three road classes over the formula", "road_spectrum:road_spectrum"
     ),
+    Experiment(
+        "ride-classes", "ISO 8608, 2631-1", "ride of a quarter car by road class and speed", "ride_classes:ride_classes"
+    ),
 )
 
 EXPERIMENTS: dict[str, Experiment] = {

@@ -32,11 +32,12 @@ def centre_height(raw, knot, reach, spacing, radius):
         near, ground = 0.0, raw[knot & (RAW - 1)]
         for i in range(1, reach + 1):
             far, next_ground = i * spacing, raw[(knot + side * i) & (RAW - 1)]
-            slope = (next_ground - ground) / spacing  # away from the knot
-            stretch = math.sqrt(1.0 + slope * slope)
-            if near < radius * slope / stretch < far:
-                height = max(height, ground - slope * near + radius * slope * slope / (1.0 + stretch))
-            if far < radius:
-                height = max(height, next_ground - far * far / (radius + math.sqrt(radius * radius - far * far)))
+            if max(ground, next_ground) > height:  # else the circle over this piece is lower
+                slope = (next_ground - ground) / spacing  # away from the knot
+                stretch = math.sqrt(1.0 + slope * slope)
+                if near < radius * slope / stretch < far:
+                    height = max(height, ground - slope * near + radius * slope * slope / (1.0 + stretch))
+                if far < radius:
+                    height = max(height, next_ground - far * far / (radius + math.sqrt(radius * radius - far * far)))
             near, ground = far, next_ground
     return height
