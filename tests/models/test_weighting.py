@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from vr_envs.models.weighting import INTERVAL, MEMORY, weight, wk
+from vr_envs.models.weighting import INTERVAL, MEMORY, sampled_wk, weight, wk
 
 # ISO 8041: magnitude of Wk at third-octave frequencies [Hz]
 TABLE = {
@@ -32,13 +32,18 @@ def impulse_response(n):
     return np.array([weight(memory, float(k == 0)) for k in range(n)])
 
 
-def test_averaging_and_filter_together_are_wk():
+def test_response_of_the_filter_is_that_of_its_impulse():
     n = 1 << 14
-    f = np.fft.rfftfreq(n, INTERVAL)
-    magnitude = abs(np.fft.rfft(impulse_response(n))) * np.sinc(f * INTERVAL)
-    for low, high, error in ((0.1, 45.0, 0.01), (45.0, 50.0, 0.03)):
-        band = (f >= low) & (f <= high)
-        assert np.abs(magnitude[band] / np.abs(wk(f[band])) - 1).max() < error
+    f = np.fft.rfftfreq(n, INTERVAL)[1:]
+    assert np.fft.rfft(impulse_response(n))[1:] == pytest.approx(sampled_wk(f), abs=1e-12)
+    assert sampled_wk(f + 1 / INTERVAL) == pytest.approx(sampled_wk(f), rel=1e-9)
+
+
+@pytest.mark.parametrize(("low", "high", "error"), [(0.02, 0.1, 5e-4), (0.1, 45.0, 0.01), (45.0, 50.0, 0.03)])
+def test_averaging_and_filter_together_are_wk(low, high, error):
+    f = np.linspace(low, high, 5000)
+    magnitude = np.abs(sampled_wk(f)) * np.sinc(f * INTERVAL)
+    assert np.abs(magnitude / np.abs(wk(f)) - 1).max() < error
 
 
 @pytest.mark.parametrize("f", [0.5, 2.0, 5.0, 12.5, 25.0])

@@ -15,16 +15,19 @@ response H(f) is the integral of |H(V n)|^2 G(n) over n.
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
 from vr_envs.models.ride_options import G
-from vr_envs.models.weighting import wk
+from vr_envs.models.weighting import INTERVAL, sampled_wk, wk
 
 ISO_BAND = (0.011, 2.83)  # cycle/m, of ISO 8608
-REFERENCE = 0.1  # cycle/m
 POINTS = 20_001  # of an integral; even in the logarithm, the responses have no sharp peak
+BINS, FOLDS = 1 << 14, 40  # of a sampled spectrum: lines below half the rate, multiples of the rate that fold back
+
+Density = Callable[[np.ndarray], np.ndarray]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -76,28 +79,42 @@ def response(frequency: np.ndarray, vehicle: Vehicle) -> Response:
     return Response(s**2 * body, body - hub, hub - 1.0)
 
 
-def iso_density(number: np.ndarray, reference: float) -> np.ndarray:
-    """ISO 8608: one-sided density [m^3] at wave numbers [cycle/m], from Gd(n0) = `reference` [m^3]."""
-    return reference * (np.asarray(number, float) / REFERENCE) ** -2
-
-
-def ride_rms(vehicle: Vehicle, speed: float, reference: float, band: tuple[float, float] = ISO_BAND) -> Rms:
-    """Root mean squares at `speed` [m/s] on an ISO 8608 road of density Gd(n0) = `reference` [m^3].
+def ride_rms(vehicle: Vehicle, speed: float, density: Density, band: tuple[float, float] = ISO_BAND) -> Rms:
+    """Root mean squares of a long ride at `speed` [m/s].
 
     Args:
         vehicle: what rides.
         speed: forward speed [m/s].
-        reference: Gd(n0) [m^3]; class A has 16e-6, each further class four times that.
-        band: wave numbers that the road has [cycle/m]; beyond them it has none.
+        density: one-sided density of the road [m^3] at wave numbers [cycle/m], as those of `road_density`.
+        band: wave numbers that the road has [cycle/m]; beyond them it is taken to have none.
     """
     number = np.geomspace(*band, POINTS)
     frequency = speed * number
     found = response(frequency, vehicle)
     # dn = n d(ln n)
-    density, logarithm = iso_density(number, reference) * number, np.log(number)
+    power, logarithm = density(number) * number, np.log(number)
 
     def rms(values: np.ndarray) -> float:
-        return float(np.sqrt(np.trapezoid(np.abs(values) ** 2 * density, logarithm)))
+        return float(np.sqrt(np.trapezoid(np.abs(values) ** 2 * power, logarithm)))
 
     tyre = 0.0 if vehicle.tyre_rate is None else vehicle.tyre_rate * rms(found.deflection) / vehicle.static_load
     return Rms(rms(found.acceleration * wk(frequency)), rms(found.acceleration), rms(found.travel), tyre)
+
+
+def metered_rms(vehicle: Vehicle, speed: float, density: Density) -> tuple[float, float]:
+    """What `ride_meter` shows in a long ride: rms of the weighted and of the unweighted acceleration [m/s^2].
+
+    It sees the mean acceleration of each tick, and takes what is quicker than half the rate of the ticks for slower
+    motion. Ticks and road are taken to be out of step: where the ride passes a whole number of knots per tick, kinks
+    fall on ticks, and under a wheel that follows the ground the meter shows up to 10 % more.
+    """
+    rate = 1.0 / INTERVAL
+    frequency = (np.arange(BINS) + 0.5) * (0.5 * rate / BINS)
+    power = np.zeros(BINS)
+    for fold in range(-FOLDS, FOLDS + 1):
+        true = np.abs(frequency + fold * rate)
+        mean = response(true, vehicle).acceleration * np.sinc(true * INTERVAL)
+        power += np.abs(mean) ** 2 * density(true / speed) / speed
+    step = frequency[1] - frequency[0]
+    weighted = np.abs(sampled_wk(frequency)) ** 2 * power
+    return float(np.sqrt(weighted.sum() * step)), float(np.sqrt(power.sum() * step))

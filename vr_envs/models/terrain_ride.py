@@ -23,6 +23,7 @@ from vr_envs.models.quarter_car import drive, settle
 from vr_envs.models.record import quantity
 from vr_envs.models.ride_meter import MeterState, sample
 from vr_envs.models.ride_options import TICK
+from vr_envs.models.ride_textbook import drift, kick, step_of
 from vr_envs.models.road import RoadState, pass_knot, slope_of_road
 from vr_envs.models.terrain import WAVES, roll_undulation
 
@@ -100,6 +101,7 @@ class State(RoadState, MeterState):
     key: int = quantity(0, "", "episode key", kind="key")
     steps: int = quantity(0, "", "control intervals done", low=0)
     time_to_tick: float = quantity(0.0, "s", "until this tick ends; 0: one begins", low=0.0, high=TICK)
+    climb: float = quantity(0.0, "m", "height of the ground over that at the start, kept by the textbook engine")
     travel: float = quantity(0.0, "m", "u = zeta - r, or of the suspension of a quarter car")
     velocity: float = quantity(0.0, "m/s", "zeta', of the mass, up")
     deflection: float = quantity(0.0, "m", "height of the hub over the ground, from static; compressed: < 0")
@@ -238,18 +240,29 @@ def advance(
     state.touches = 0
     if lag is None:
         actuate(state, action, lag, cruise)
-    left, target = params.dt, params.speed
+    left, target, step, rise = params.dt, params.speed, 0.0, 0.0
     if cruise is not None:
         target = commanded_speed(action[action.shape[0] - 1], cruise)
+    if textbook is not None:
+        step = step_of(params, textbook)
+    to_step = step
     while left > SAME:
         if state.time_to_tick == 0.0:
             begin_tick(state, action, lag, cruise)
         piece = piece_of(left, state.time_to_tick)
         gamma, w2, force = suspension(state, params)
-        ride(
-            state, piece, gamma, w2, force, target, params,
-            undulation, road, profile, bumps, obstacle, wheel, tyre, stop, cruise,
-        )  # fmt: skip
+        if textbook is None:
+            ride(
+                state, piece, gamma, w2, force, target, params,
+                undulation, road, profile, bumps, obstacle, wheel, tyre, stop, cruise,
+            )  # fmt: skip
+        else:
+            piece = piece_of(piece, to_step)
+            rise += drift(state, piece, params, undulation, road, profile, bumps, obstacle, wheel)
+            to_step, stepped = to_next_tick(to_step, piece, step)
+            if stepped:
+                kick(state, step, rise, gamma, w2, force + state.payload, textbook)
+                rise = 0.0
         left -= piece
         state.time_to_tick, ticked = to_next_tick(state.time_to_tick, piece, 0.0)
         if ticked:

@@ -39,6 +39,14 @@ def wk(frequency: np.ndarray | float) -> np.ndarray:
     return band * transition * step
 
 
+def sampled_wk(frequency: np.ndarray | float) -> np.ndarray:
+    """Complex response of the filter alone at `frequency` [Hz], any shape; it repeats itself every 100 Hz."""
+    back = np.exp(-2j * np.pi * np.asarray(frequency, float) * INTERVAL)
+    high = (1.0 - back) ** 2 / (1.0 + _HIGH_1 * back + _HIGH_2 * back**2)
+    step = (1.0 + _STEP_N1 * back + _STEP_N2 * back**2) / (1.0 + _STEP_1 * back + _STEP_2 * back**2)
+    return _GAIN * high * step * (1.0 + _TURN_N * back) / (1.0 + _TURN_1 * back + _TURN_2 * back**2)
+
+
 @kernel
 def weight(memory, acceleration):
     """Weighted acceleration [m/s^2] after one more interval of mean `acceleration`; `memory` has `MEMORY` numbers."""
