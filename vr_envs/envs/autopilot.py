@@ -16,11 +16,13 @@ from vr_envs.envs.scalar import ScalarEnv
 from vr_envs.envs.scene import Scene
 from vr_envs.envs.task import Channel, Task
 from vr_envs.models import autopilot as model
+from vr_envs.models.atmosphere import airspeed_of_mach, highest_airspeed, true_airspeed
 from vr_envs.models.autopilot import left_envelope
 from vr_envs.models.autopilot_options import OPTIONS
 from vr_envs.models.jit import kernel
-from vr_envs.models.noise import normal_pair, uniform
+from vr_envs.models.noise import uniform
 from vr_envs.models.record import quantity
+from vr_envs.models.turbulence import start_gusts
 
 # mean command change per interval at which, and share of the score that, restless commands cost
 RESTLESS = 0.5
@@ -50,12 +52,13 @@ def start(
     state.altitude = params.altitude_low + (params.altitude_high - params.altitude_low) * uniform(
         state.key, START_DRAWS
     )
-    state.speed = params.speed_low + (params.speed_high - params.speed_low) * uniform(state.key, START_DRAWS + 1)
+    highest = highest_airspeed(state.altitude, params, atmosphere)
+    measured = params.speed_low + (highest - params.speed_low) * uniform(state.key, START_DRAWS + 1)
+    state.speed = true_airspeed(state.altitude, measured, atmosphere)
     state.heading = math.pi * (2.0 * uniform(state.key, START_DRAWS + 2) - 1.0)
-    state.demand[0], state.demand[1], state.demand[2] = state.altitude, state.speed, state.heading
+    state.demand[0], state.demand[1], state.demand[2] = state.altitude, measured, state.heading
     if turbulence is not None:
-        vertical, along = normal_pair(state.key, START_DRAWS // 2 + 2)
-        state.gust_vertical, state.gust_along = turbulence.sigma * vertical, turbulence.sigma * along
+        start_gusts(state, START_DRAWS // 2 + 2, turbulence, track)
     if track is not None:
         state.x, state.z = track.x, track.z
     if demands is not None:
@@ -91,7 +94,7 @@ def outcome(
     movement *= THIRD
     state.movement_sum += movement
     state.in_band += inside
-    state.lost = left_envelope(state, params)
+    state.lost = left_envelope(state, params, atmosphere)
     reward = 0.0
     if not state.lost:
         reward = THIRD * closeness * (1.0 - min(RESTLESS_COST / RESTLESS * movement, RESTLESS_COST))
@@ -146,6 +149,9 @@ def validate(scene: Scene) -> None:
         ("speed_low", p.speed_low, "speed_high", p.speed_high, False),
         ("speed_high", p.speed_high, "top_speed", p.top_speed, False),
     ]
+    if (atmosphere := scene.options["atmosphere"]) is not None:
+        top = airspeed_of_mach(atmosphere.mach_high, p.altitude_high)
+        orders += [("speed_low", p.speed_low, "the airspeed of atmosphere.mach_high at altitude_high", top, True)]
     if demands is not None:
         orders += [
             ("demands.hold_low", demands.hold_low, "demands.hold_high", demands.hold_high, False),
