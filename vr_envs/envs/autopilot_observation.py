@@ -139,11 +139,14 @@ def limits(reading: Reading, scene: Scene) -> tuple[np.ndarray, np.ndarray]:
     return falling, rising
 
 
-def actions_for(rates: np.ndarray, reading: Reading, scene: Scene) -> np.ndarray:
-    """Actions (n, 3) that command vertical speeds, accelerations and turn rates (n, 3), clipped to [-1, 1]."""
-    falling, rising = limits(reading, scene)
+def actions_for(rates: np.ndarray, falling: np.ndarray, rising: np.ndarray) -> np.ndarray:
+    """Actions (n, 3), float32, that command vertical speeds, accelerations and turn rates (n, 3), clipped to [-1, 1].
+
+    `falling`, `rising`: their limits (n, 3), from `limits`.
+    """
     limit = np.where(rates > 0.0, rising, falling)
-    return np.clip(np.divide(rates, limit, out=np.zeros_like(rates), where=limit > 0.0), -1.0, 1.0)
+    shares = np.divide(rates, limit, out=np.zeros_like(rates), where=limit > 0.0)
+    return np.clip(shares, -1.0, 1.0).astype(np.float32)
 
 
 def channels(scene: Scene) -> tuple[Channel, ...]:
