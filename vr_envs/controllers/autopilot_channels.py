@@ -1,7 +1,7 @@
 """What the laws of the autopilot have in common: the three channels as lags with limits, now and in their own units.
 
-A channel's error obeys  error' = demand rate - rate,  rate' = clamp((command - rate) / T, -slew, slew)  with the lag T of
-the scene (rate = command where it has none). All airspeeds are true ones here: an equivalent airspeed v s, with s the
+A channel's error obeys  error' = demand rate - rate,  rate' = clamp((command - rate) / T, -slew, slew)  with the lag T
+of the scene (rate = command where it has none). All airspeeds are true ones here: an equivalent airspeed v s, with s the
 root of the density ratio, changes by s v' - D v_y in a climb, so its error is divided by s, and its demand's rate is
 what the true acceleration has to be, (rate + D v_y) / s.
 
@@ -17,6 +17,7 @@ import numpy as np
 from vr_envs.envs.autopilot_observation import BAND, Reading, actions_for, limits, read
 from vr_envs.envs.scene import Scene
 from vr_envs.models.atmosphere import airspeed_rate
+from vr_envs.models.autopilot import SLOWEST
 from vr_envs.models.autopilot_options import G
 from vr_envs.models.jit import kernel
 from vr_envs.models.lag import clamped_lag
@@ -136,12 +137,17 @@ def power_limits(flight: Flight, scene: Scene) -> tuple[float, np.ndarray]:
     return (-np.inf, np.full(len(flight.rate), np.inf)) if energy is None else (-energy.idle_sink, flight.rising[:, 0])
 
 
+def climb_per_acceleration(flight: Flight) -> np.ndarray:
+    """Climb rate (n,) [m/s] that takes as much power as an acceleration of 1 m/s^2: v / g."""
+    return np.maximum(flight.true_speed, SLOWEST) / G
+
+
 def within_power(commands: np.ndarray, flight: Flight, scene: Scene) -> np.ndarray:
     """The accelerations (n,) that the aircraft makes of the commands (n, 3): climb has priority."""
     lowest, highest = power_limits(flight, scene)
-    climb_per_acceleration = flight.true_speed / G
-    low, high = lowest - commands[:, 0], highest - commands[:, 0]
-    return np.clip(commands[:, 1] * climb_per_acceleration, low, high) / climb_per_acceleration
+    unit = climb_per_acceleration(flight)
+    idle = np.minimum((lowest - commands[:, 0]) / unit, flight.rising[:, 1])
+    return np.maximum(np.minimum(commands[:, 1], (highest - commands[:, 0]) / unit), idle)
 
 
 def lead(error: np.ndarray, flight: Flight, time: np.ndarray) -> np.ndarray:

@@ -13,7 +13,7 @@ from vr_envs.envs.scene import Scene
 class ProportionalIntegral:
     """command = demand rate + k l + I, with the lead error l = e - T (rate - demand rate) and I' = k l / T_i.
 
-    The gain is k = (1 - e^(-dt/tau)) / dt for a time constant tau of the closed loop, whose other pole is the lag's own.
+    The gain is k = (1 - e^(-dt/tau)) / dt for a time constant tau of the closed loop; its other pole is the lag's own.
     Anti-windup: I stands still while the command is beyond a limit (conditional integration), and is bled off with T_i
     while the lead error is larger than a few bands, where the proportional part has all to do; so what it holds is the
     rate that a steady disturbance asks for.

@@ -6,10 +6,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from vr_envs.controllers.autopilot_channels import Flight, Gains, gains_of, power_limits
+from vr_envs.controllers.autopilot_channels import Flight, Gains, climb_per_acceleration, gains_of, power_limits
 from vr_envs.controllers.autopilot_square_root import SquareRoot
 from vr_envs.envs.scene import Scene
-from vr_envs.models.autopilot_options import G
 
 # m: energy heights closer than this to their demands count as this far
 NEAR = 1.0
@@ -37,7 +36,7 @@ class TotalEnergy(SquareRoot):
         commands = flight.clipped(super().commands(flight))
         if self.scene.options["energy"] is None:
             return commands
-        per_acceleration = flight.true_speed / G
+        per_acceleration = climb_per_acceleration(flight)
         wanted = np.stack([commands[:, 0], commands[:, 1] * per_acceleration], axis=1)
         heights = np.abs(flight.error[:, :2]) * np.stack([np.ones_like(per_acceleration), per_acceleration], axis=1)
         heights = np.maximum(heights, NEAR)

@@ -18,12 +18,13 @@ from vr_envs.envs.scalar import ScalarEnv
 from vr_envs.envs.scene import Scene
 from vr_envs.envs.task import Channel, Task
 from vr_envs.models import autopilot as model
-from vr_envs.models.atmosphere import airspeed, highest_airspeed, true_airspeed
-from vr_envs.models.autopilot import left_envelope, wrap
+from vr_envs.models.atmosphere import airspeed, airspeed_of_mach, highest_airspeed, true_airspeed
+from vr_envs.models.autopilot import commanded_rates, left_envelope, wrap
 from vr_envs.models.autopilot_options import OPTIONS
 from vr_envs.models.jit import kernel
-from vr_envs.models.noise import normal_pair, uniform
+from vr_envs.models.noise import uniform
 from vr_envs.models.record import dtype_of, quantity
+from vr_envs.models.turbulence import start_gusts
 
 # mean command change per interval at which, and share of the score that, restless commands cost
 RESTLESS = 0.5
@@ -40,7 +41,7 @@ class State(LegState):
     earlier_action: float = quantity(0.0, "", "the action before", shape=(3,))
     error_sum: float = quantity(0.0, "m, m/s, rad", "sum of |error| over the steps", shape=(3,))
     movement_sum: float = quantity(0.0, "", "sum of the mean command change")
-    saturated: int = quantity(0, "", "commands at their limits", low=0)
+    saturated: int = quantity(0, "", "commands at their limits, or accelerations that gave way to the shared power", low=0)
     lateral_peak: float = quantity(0.0, "m/s^2", "largest lateral acceleration, |v turn rate|", low=0.0)
     normal_peak: float = quantity(0.0, "m/s", "largest change of vertical speed over an interval", low=0.0)
     in_band: int = quantity(0, "", "steps with all three errors within the band", low=0)
@@ -85,8 +86,7 @@ def start(
     state.speed = true_airspeed(state.altitude, state.demand[1], atmosphere)
     state.demand[0], state.demand[2] = state.altitude, state.heading
     if turbulence is not None:
-        vertical, along = normal_pair(state.key, START_DRAWS // 2 + 2)
-        state.gust_vertical, state.gust_along = turbulence.sigma * vertical, turbulence.sigma * along
+        start_gusts(state, START_DRAWS // 2 + 2, turbulence, track)
     if track is not None:
         state.x, state.z = track.x, track.z
     _change_leg(state, params, envelope, atmosphere, demands, plan)
@@ -109,6 +109,14 @@ def advance(
 
 
 @kernel
+def _gives_way(state, action, params, envelope, energy):  # type: ignore[no-untyped-def]
+    """Whether the commanded acceleration is changed by the shared power."""
+    _, given, _, _ = commanded_rates(state, action, params, envelope, energy)
+    _, asked, _, _ = commanded_rates(state, action, params, envelope, None)
+    return given != asked
+
+
+@kernel
 def outcome(
     state, action, params, envelope, energy, lags, atmosphere, wind, shear, turbulence, track, textbook,
     demands, plan, sensing,
@@ -122,14 +130,18 @@ def outcome(
         closeness += BAND[channel] / (BAND[channel] + size)
         inside = inside and size <= BAND[channel]
         movement += abs(command - state.action[channel])
-        state.saturated += abs(command) >= SATURATED
+        limited = abs(command) >= SATURATED
+        if energy is not None:  # noqa: SIM102 (numba prunes a bare test of None)
+            if channel == 1:
+                limited = limited or _gives_way(state, action, params, envelope, energy)
+        state.saturated += limited
         state.earlier_action[channel] = state.action[channel]
         state.action[channel] = command
     movement *= THIRD
     state.movement_sum += movement
     state.in_band += inside
     watch_leg(state, params, away, inside)
-    state.lost = left_envelope(state, params)
+    state.lost = left_envelope(state, params, atmosphere)
     reward = 0.0
     if not state.lost:
         reward = THIRD * closeness * (1.0 - min(RESTLESS_COST / RESTLESS * movement, RESTLESS_COST))
@@ -165,6 +177,9 @@ def validate(scene: Scene) -> None:
         ("speed_low", p.speed_low, "speed_high", p.speed_high, False),
         ("speed_high", p.speed_high, "top_speed", p.top_speed, False),
     ]
+    if (atmosphere := scene.options["atmosphere"]) is not None:
+        top = airspeed_of_mach(atmosphere.mach_high, p.altitude_high)
+        orders += [("speed_low", p.speed_low, "the airspeed of atmosphere.mach_high at altitude_high", top, True)]
     if demands is not None:
         orders += [
             ("dt", p.dt, "demands.hold_low", demands.hold_low, False),
@@ -175,25 +190,19 @@ def validate(scene: Scene) -> None:
         if low > high or (strict and low == high):
             rule = "be below" if strict else "not exceed"
             raise ValueError(f"{low_name} = {low:g} is not allowed; it must {rule} {high_name} = {high:g}")
-    params, options = scene.records()
-    atmosphere = options[list(scene.options).index("atmosphere")]
-    highest = highest_airspeed(p.altitude_high, params, atmosphere)
-    if highest < p.speed_low:
-        raise ValueError(
-            f"altitude_high = {p.altitude_high:g} is not allowed; it must be where atmosphere.mach_high leaves "
-            f"at least speed_low = {p.speed_low:g} m/s, here it leaves {highest:g}"
-        )
     if scene.options["plan"] is not None:
-        _check_waypoints(scene.options["plan"], params, atmosphere)
+        _check_waypoints(scene)
 
 
-def _check_waypoints(plan: Plan, params: np.void, atmosphere: np.void | None) -> None:
+def _check_waypoints(scene: Scene) -> None:
     """Every waypoint must lie inside the envelope."""
+    plan, (params, options) = scene.options["plan"], scene.records()
+    atmosphere = options[list(scene.options).index("atmosphere")]
     check_plan(plan)
     aircraft = np.zeros(1, dtype_of(model.State))[0]
     for i, (altitude, speed) in enumerate(zip(plan.altitude, plan.airspeed, strict=True)):
         aircraft["altitude"], aircraft["speed"] = altitude, true_airspeed(altitude, speed, atmosphere)
-        if left_envelope(aircraft, params):
+        if left_envelope(aircraft, params, atmosphere):
             raise ValueError(
                 f"waypoint {i} of the plan, {altitude:g} m at {speed:g} m/s, is not allowed; it must be above the "
                 f"ground, below the ceiling ({params['ceiling']:g} m), between stall_speed "

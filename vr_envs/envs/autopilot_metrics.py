@@ -17,7 +17,8 @@ def metrics(states: np.ndarray, scene: Scene) -> dict[str, np.ndarray]:
 
     altitude_error_m, airspeed_error_m_s, heading_error_deg: mean absolute errors (the integral of the absolute error
     per second); time_in_band: share of the time with all three errors within 15 m, 1 m/s and 0.5 deg; movement:
-    mean change of the commands per interval; saturated: share of the commands at their limits; left_envelope.
+    mean change of the commands per interval; saturated: share of the commands at their limits (or, of
+    accelerations, changed by the shared power); left_envelope.
 
     Of the legs, as `autopilot_legs` judges them: legs_held: share of them that ended with all three channels held in
     band for 10 s; per channel ..._rise_s, ..._settling_s, ..._overshoot_pct (means over its steps, 0 if it had

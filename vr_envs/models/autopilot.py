@@ -1,10 +1,14 @@
 """First-order aircraft under an autopilot: the lecture (virtual environments, after Vince 1995), solved exactly.
 
-The aircraft is a point with altitude y, airspeed v and heading psi (from the z axis towards x). The command
+The aircraft is a point with altitude y, true airspeed v and heading psi (from the z axis towards x). The command
 sets vertical speed, acceleration and turn rate, each as a fraction of its limit; it is held over a control
-interval, and the limits are those of the interval's start. So every channel is a constant rate (the lecture's
-aircraft, which follows at once) or a first-order lag with a rate limit (`Lags`): closed forms, no time steps.
-Positive: up, faster, turning from z towards x.
+interval. Limits that depend on the flight are renewed at fixed instants, `Params.refresh` apart as in a flight
+computer, and held in the state in between. So every channel is a constant rate (the lecture's aircraft, which
+follows at once) or a first-order lag with a rate limit (`Lags`): closed forms, no time steps, and the same motion
+however the time is split into intervals. Positive: up, faster, turning from z towards x.
+
+The airspeed is never negative: an aircraft whose deceleration brings it to 0 stands, with no acceleration, until
+one is commanded. It may turn and climb there.
 """
 
 from __future__ import annotations
@@ -12,13 +16,21 @@ from __future__ import annotations
 import dataclasses
 import math
 
+from vr_envs.models.atmosphere import airspeed, sound_speed
 from vr_envs.models.autopilot_options import G
+from vr_envs.models.autopilot_textbook import fly_in_steps
+from vr_envs.models.clock import piece_of, to_next_tick
 from vr_envs.models.ground_track import turn_with_lags, uniform_turn
 from vr_envs.models.jit import kernel
 from vr_envs.models.lag import clamped_lag
-from vr_envs.models.noise import normal_pair
 from vr_envs.models.record import quantity
-from vr_envs.models.wind import SCALE_LENGTH, gust_after, gust_integral
+from vr_envs.models.shear import lagging_track_in_shear, shear_bounds, shear_gain, uniform_track_in_shear
+from vr_envs.models.standstill import sheared_stop_time, stop_time
+from vr_envs.models.turbulence import blow
+from vr_envs.models.wind import drift
+
+# m/s: below it the power that the energy limit shares out is that of this airspeed, so that g / v stays finite
+SLOWEST = 0.01
 
 
 @dataclasses.dataclass(frozen=True)
@@ -29,6 +41,9 @@ class Params:
     """
 
     dt: float = quantity(1.0, "s", "control interval", low=1e-3, high=10.0)
+    refresh: float = quantity(
+        1.0, "s", "time between renewals of the limits that depend on the flight", low=1e-3, high=10.0
+    )
     climb: float = quantity(13.0, "m/s", "largest climb rate, at sea level", low=0.1, high=100.0)
     descent: float = quantity(10.0, "m/s", "largest descent rate", low=0.1, high=100.0)
     acceleration: float = quantity(0.6, "m/s^2", "largest acceleration", low=0.01, high=10.0)
@@ -38,7 +53,7 @@ class Params:
     altitude_high: float = quantity(11000.0, "m", "highest altitude in operation", low=0.0, high=2e4)
     speed_low: float = quantity(75.0, "m/s", "lowest airspeed in operation", low=10.0, high=600.0)
     speed_high: float = quantity(250.0, "m/s", "highest airspeed in operation", low=10.0, high=600.0)
-    stall_speed: float = quantity(60.0, "m/s", "airspeed below which the aircraft stalls", low=1.0, high=600.0)
+    stall_speed: float = quantity(60.0, "m/s", "airspeed below which it stalls; 0: never", low=0.0, high=600.0)
     top_speed: float = quantity(300.0, "m/s", "airspeed above which it breaks up", low=1.0, high=600.0)
     ceiling: float = quantity(13000.0, "m", "altitude above which it cannot fly", low=1.0, high=2e4)
 
@@ -52,13 +67,22 @@ class State:
     x: float = quantity(0.0, "m", "ground track, x")
     z: float = quantity(0.0, "m", "ground track, z")
     altitude: float = quantity(0.0, "m", "altitude above the ground")
-    speed: float = quantity(0.0, "m/s", "airspeed")
+    speed: float = quantity(0.0, "m/s", "true airspeed", low=0.0)
     heading: float = quantity(0.0, "rad", "heading in [-pi, pi), from z towards x")
     vertical_speed: float = quantity(0.0, "m/s", "climb rate through the air")
     acceleration: float = quantity(0.0, "m/s^2", "acceleration along the path")
     turn_rate: float = quantity(0.0, "rad/s", "turn rate")
-    gust_vertical: float = quantity(0.0, "m/s", "rising air")
+    time_to_refresh: float = quantity(0.0, "s", "time to the next renewal of the limits; 0: now", low=0.0)
+    climb_limit: float = quantity(0.0, "m/s", "largest climb rate at the last renewal", low=0.0)
+    turn_limit: float = quantity(0.0, "rad/s", "largest turn rate at the last renewal", low=0.0)
+    weight_per_speed: float = quantity(0.0, "1/s", "g / v at the last renewal, m/s^2 per m/s of climb", low=0.0)
+    sheared: bool = quantity(False, "", "the shear changes the airspeed", low=0, high=1)
     gust_along: float = quantity(0.0, "m/s", "head wind of the gust, part of the airspeed")
+    headwind: float = quantity(0.0, "", "gust along the path over its standard deviation")
+    updraught: float = quantity(0.0, "", "p1 of the vertical gust, as in turbulence.py")
+    updraught_lag: float = quantity(0.0, "", "p2 of the vertical gust")
+    crosswind: float = quantity(0.0, "", "p1 of the gust across the path")
+    crosswind_lag: float = quantity(0.0, "", "p2 of the gust across the path")
 
 
 @kernel
@@ -81,52 +105,130 @@ def turn_limit(speed, params, envelope):  # type: ignore[no-untyped-def]
     """Largest turn rate [rad/s] at an airspeed [m/s]: the lesser of the standard rate and g tan(bank) / v."""
     if envelope is None:
         return params.turn
-    return min(params.turn, envelope.lateral / speed)
+    return min(params.turn, envelope.lateral / speed) if speed > 0.0 else params.turn
 
 
 @kernel
 def rate_limits(altitude, speed, params, envelope):  # type: ignore[no-untyped-def]
-    """Largest falling and rising rates of the three channels at an altitude and airspeed, all positive."""
+    """Largest falling and rising rates of the three channels at an altitude and true airspeed, all positive."""
     turn = turn_limit(speed, params, envelope)
     rising = (climb_limit(altitude, params, envelope), params.acceleration, turn)
     return (params.descent, params.deceleration, turn), rising
 
 
 @kernel
-def fly(state, vertical_speed, acceleration, turn_rate, turn_slew, duration, lags, track):  # type: ignore[no-untyped-def]
-    """Move a state in still air for `duration` [s] with the commanded rates held; exact, in any split of the time."""
+def renew_limits(state, params, envelope):  # type: ignore[no-untyped-def]
+    """Take the limits of where the aircraft is now."""
+    state.climb_limit = climb_limit(state.altitude, params, envelope)
+    state.turn_limit = turn_limit(state.speed, params, envelope)
+    state.weight_per_speed = G / max(state.speed, SLOWEST)
+    state.sheared = state.speed > 0.0
+    state.time_to_refresh = params.refresh
+
+
+@kernel
+def _renewing(envelope, energy, shear):  # type: ignore[no-untyped-def]
+    """Whether anything is renewed at fixed instants; a constant to the compiler."""
+    if envelope is not None:
+        return True
+    if energy is not None:
+        return True
+    return shear is not None
+
+
+@kernel
+def _glide(state, vertical_speed, acceleration, turn_rate, turn_slew, duration, lags, wind, shear, track):  # type: ignore[no-untyped-def]
+    """Move a state that does not come to a standstill; exact, in any split of the time."""
+    sheared = 0.0
     if lags is None:
         state.vertical_speed, state.acceleration, state.turn_rate = vertical_speed, acceleration, turn_rate
         rise, gain, turned = vertical_speed * duration, acceleration * duration, turn_rate * duration
+        if shear is not None:
+            sheared = shear_gain(state, vertical_speed, turn_rate, turn_slew, 0.0, duration, lags, shear)
         if track is not None:
             uniform_turn(state, duration)
+            if shear is not None:
+                uniform_track_in_shear(state, duration, shear)
     else:
-        if track is not None:
-            turn_with_lags(state, acceleration, turn_rate, turn_slew, duration, lags)
+        if shear is None:
+            if track is not None:
+                turn_with_lags(state, acceleration, turn_rate, turn_slew, duration, lags)
+        else:
+            if track is None:
+                sheared = shear_gain(state, vertical_speed, turn_rate, turn_slew, 0.0, duration, lags, shear)
+            else:
+                sheared = lagging_track_in_shear(
+                    state, vertical_speed, acceleration, turn_rate, turn_slew, duration, lags, shear
+                )
         state.vertical_speed, rise = clamped_lag(
             state.vertical_speed, vertical_speed, lags.vertical, lags.vertical_slew, duration
         )
         state.acceleration, gain = clamped_lag(state.acceleration, acceleration, lags.along, lags.jerk, duration)
         state.turn_rate, turned = clamped_lag(state.turn_rate, turn_rate, lags.turn, turn_slew, duration)
+    if wind is not None:
+        if track is not None:
+            drift(state, wind.origin, wind.speed * duration)
     state.altitude += rise
-    state.speed += gain
+    state.speed = max(0.0, state.speed + (gain + sheared))  # rounding, where it does not come to a standstill
     state.heading = wrap(state.heading + turned)
 
 
 @kernel
-def blow(state, time, dt, counter, turbulence):  # type: ignore[no-untyped-def]
-    """Add what gusts of correlation time `time` do to altitude and airspeed in an interval `dt`, both in s.
+def _lowest_speed(state, vertical_speed, acceleration, turn_rate, duration, lags, shear):  # type: ignore[no-untyped-def]
+    """A lower bound of the airspeed [m/s] over `duration`, without a standstill."""
+    lowest = min(0.0, acceleration)
+    if lags is not None:
+        lowest = min(lowest, state.acceleration)
+    if shear is not None:
+        lowest -= shear_bounds(state, vertical_speed, turn_rate, lags, shear)[0]
+    return state.speed + lowest * duration
 
-    Uses the normal pairs `counter` and `counter` + 1 of the state's key.
-    """
-    decay = math.exp(-dt / time)
-    end_vertical, end_along = normal_pair(state.key, counter)
-    bridge, _ = normal_pair(state.key, counter + 1)
-    vertical = gust_after(state.gust_vertical, decay, turbulence.sigma, end_vertical)
-    along = gust_after(state.gust_along, decay, turbulence.sigma, end_along)
-    state.altitude += gust_integral(state.gust_vertical, vertical, dt, time, decay, turbulence.sigma, bridge)
-    state.speed += along - state.gust_along
-    state.gust_vertical, state.gust_along = vertical, along
+
+@kernel
+def fly(state, vertical_speed, acceleration, turn_rate, turn_slew, duration, lags, wind, shear, track):  # type: ignore[no-untyped-def]
+    """Move a state without gusts for `duration` [s], the commanded rates held; exact, in any split of the time."""
+    if _lowest_speed(state, vertical_speed, acceleration, turn_rate, duration, lags, shear) < 0.0:
+        stop = stop_time(state, acceleration, duration, lags)
+        if shear is not None:
+            if state.sheared:
+                stop = sheared_stop_time(
+                    state, vertical_speed, acceleration, turn_rate, turn_slew, duration, lags, shear
+                )
+        if stop <= duration:
+            _glide(state, vertical_speed, acceleration, turn_rate, turn_slew, stop, lags, wind, shear, track)
+            state.speed, state.acceleration, state.sheared = 0.0, 0.0, False
+            duration -= stop
+            acceleration = max(0.0, acceleration)
+    _glide(state, vertical_speed, acceleration, turn_rate, turn_slew, duration, lags, wind, shear, track)
+
+
+@kernel
+def commanded_rates(state, action, params, envelope, energy):  # type: ignore[no-untyped-def]
+    """Vertical speed, acceleration and turn rate that an action asks for, and the largest turn rate, as limited now."""
+    climb, turn = params.climb, params.turn
+    if envelope is not None:
+        climb, turn = state.climb_limit, state.turn_limit
+    vertical_speed = action[0] * (climb if action[0] > 0.0 else params.descent)
+    acceleration = action[1] * (params.acceleration if action[1] > 0.0 else params.deceleration)
+    if energy is not None:
+        acceleration = min(acceleration, state.weight_per_speed * (climb - vertical_speed))
+        idle = state.weight_per_speed * (-energy.idle_sink - vertical_speed)
+        acceleration = max(acceleration, min(params.acceleration, idle))
+    return vertical_speed, acceleration, action[2] * turn, turn
+
+
+@kernel
+def _hold(state, action, params, duration, envelope, energy, lags, wind, shear, track, textbook):  # type: ignore[no-untyped-def]
+    """Fly for `duration` [s] as commanded, with the limits as they are."""
+    vertical_speed, acceleration, turn_rate, turn = commanded_rates(state, action, params, envelope, energy)
+    if textbook is None:
+        slew = 0.0
+        if lags is not None:
+            slew = turn / lags.roll_in
+        fly(state, vertical_speed, acceleration, turn_rate, slew, duration, lags, wind, shear, track)
+    else:
+        fly_in_steps(state, vertical_speed, acceleration, turn_rate, duration, track, textbook)
+        state.heading = wrap(state.heading)
 
 
 @kernel
@@ -135,24 +237,31 @@ def advance(state, action, params, envelope, energy, lags, atmosphere, wind, she
 
     `action`: vertical speed, acceleration and turn rate as fractions of their limits, each in [-1, 1].
     """
-    falling, rising = rate_limits(state.altitude, state.speed, params, envelope)
-    climb, turn = rising[0], rising[2]
-    vertical_speed = action[0] * (climb if action[0] > 0.0 else falling[0])
-    acceleration = action[1] * (rising[1] if action[1] > 0.0 else falling[1])
-    if energy is not None:
-        specific = G / state.speed
-        acceleration = min(acceleration, specific * (climb - vertical_speed))
-        acceleration = max(acceleration, specific * (-energy.idle_sink - vertical_speed))
-    slew = 0.0
-    if lags is not None:
-        slew = turn / lags.roll_in
-    speed = state.speed
-    fly(state, vertical_speed, acceleration, action[2] * turn, slew, params.dt, lags, track)
+    altitude, speed, heading = state.altitude, state.speed, state.heading
+    left = params.dt
+    while left > 0.0:
+        piece = left
+        if _renewing(envelope, energy, shear):
+            if state.time_to_refresh <= 0.0:
+                renew_limits(state, params, envelope)
+            piece = piece_of(left, state.time_to_refresh)
+            # renewed when flown on, so that what a gust does at the end of an interval counts
+            state.time_to_refresh, _ = to_next_tick(state.time_to_refresh, piece, 0.0)
+        _hold(state, action, params, piece, envelope, energy, lags, wind, shear, track, textbook)
+        left -= piece
     if turbulence is not None:
-        blow(state, SCALE_LENGTH / speed, params.dt, 2 * state.steps, turbulence)
+        blow(state, altitude, speed, heading, params.dt, turbulence, track)
 
 
 @kernel
-def left_envelope(state, params):  # type: ignore[no-untyped-def]
-    """Whether the aircraft has hit the ground, stalled, or left the envelope upwards."""
-    return not (0.0 < state.altitude < params.ceiling and params.stall_speed < state.speed < params.top_speed)
+def left_envelope(state, params, atmosphere):  # type: ignore[no-untyped-def]
+    """Whether the aircraft has hit the ground, stalled, or left the envelope upwards.
+
+    Stall and top speed are airspeeds as measured: equivalent ones with the option `atmosphere`, whose `top_mach`
+    is a limit too.
+    """
+    measured = airspeed(state.altitude, state.speed, atmosphere)
+    fast = measured >= params.top_speed
+    if atmosphere is not None:
+        fast = fast or state.speed >= atmosphere.top_mach * sound_speed(state.altitude)
+    return fast or measured < params.stall_speed or not 0.0 < state.altitude < params.ceiling
