@@ -41,7 +41,9 @@ class State(LegState):
     earlier_action: float = quantity(0.0, "", "the action before", shape=(3,))
     error_sum: float = quantity(0.0, "m, m/s, rad", "sum of |error| over the steps", shape=(3,))
     movement_sum: float = quantity(0.0, "", "sum of the mean command change")
-    saturated: int = quantity(0, "", "commands at their limits, or accelerations that gave way to the shared power", low=0)
+    saturated: int = quantity(
+        0, "", "commands at their limits, or accelerations that gave way to the shared power", low=0
+    )
     lateral_peak: float = quantity(0.0, "m/s^2", "largest lateral acceleration, |v turn rate|", low=0.0)
     normal_peak: float = quantity(0.0, "m/s", "largest change of vertical speed over an interval", low=0.0)
     in_band: int = quantity(0, "", "steps with all three errors within the band", low=0)
