@@ -1,9 +1,9 @@
 """What the laws of the autopilot have in common: the three channels as lags with limits, now and in their own units.
 
 A channel's error obeys  error' = demand rate - rate,  rate' = clamp((command - rate) / T, -slew, slew)  with the lag T
-of the scene (rate = command where it has none). All airspeeds are true ones here: an equivalent airspeed v s, with s the
-root of the density ratio, changes by s v' - D v_y in a climb, so its error is divided by s, and its demand's rate is
-what the true acceleration has to be, (rate + D v_y) / s.
+of the scene (rate = command where it has none). All airspeeds are true ones here: an equivalent airspeed v s, with s
+the root of the density ratio, changes by s v' - D v_y in a climb, so its error is divided by s, and its demand's rate
+is what the true acceleration has to be, (rate + D v_y) / s.
 
 Late instruments: the law knows which commands it has given since, and carries the channels on to the present.
 """

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from typing import Any
 
 import numpy as np
 
@@ -217,17 +218,39 @@ def _control_interval(scene: Scene) -> float:
     return scene.params.dt
 
 
+# equivalent airspeeds
+AIRLINER: dict[str, Any] = {
+    "speed_low": 75.0,
+    "speed_high": 160.0,
+    "stall_speed": 60.0,
+    "top_speed": 185.0,
+    "envelope": True,
+    "energy": True,
+    "lags": True,
+    "atmosphere": True,
+    "turbulence": True,
+    "demands": True,
+}
+
 TASK = Task(
     name="autopilot",
     params=model.Params,
     options={**OPTIONS, "demands": Demands, "plan": Plan, "sensing": Sensing},
     state=State,
     scenes={
-        "airliner": {"envelope": True, "energy": True, "lags": True, "turbulence": True, "demands": True},
+        "airliner": AIRLINER,
+        "airliner-rough": {
+            **AIRLINER,
+            "turbulence": {"wind_20ft": 5.0, "sigma": 1.0},
+            "wind": True,
+            "shear": True,
+            "track": True,
+            "sensing": True,
+        },
         "lecture": {"track": True, "demands": True},
     },
     default_scene="airliner",
-    # scale of MIL-F-8785C: light turbulence is about 1.5 m/s, moderate 3 m/s
+    # light and moderate turbulence of MIL-F-8785C
     levels={
         "nominal": {},
         "light": {"turbulence": {"wind_20ft": 7.7, "sigma": 1.5}},
