@@ -26,6 +26,7 @@ from vr_envs.models.record import quantity
 
 JUDGED = 20.0  # s: shortest leg that is judged
 HOLD = 10.0  # s
+BEHIND = 0.5 * math.pi
 RISE_FROM, RISE_TO = 0.9, 0.1  # of the error at the leg's start
 
 
@@ -89,6 +90,8 @@ def watch_leg(state, params, errors, inside):  # type: ignore[no-untyped-def]
         keep = 0.0
     state.tail_left -= 1
     flown = state.steps - state.leg_start
+    if abs(errors[2]) > BEHIND and errors[2] * state.per_start[2] < 0.0:
+        state.per_start[2] = -state.per_start[2]  # the short way round has become the other one: no overshoot
     for channel in range(3):
         error = errors[channel]
         size = abs(error)

@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 
 from vr_envs.envs.autopilot_demands import NEVER, demands_at
 from vr_envs.models.autopilot import wrap
+from vr_envs.models.clock import SAME
 from vr_envs.models.jit import kernel
 from vr_envs.models.record import quantity
 
@@ -111,9 +112,15 @@ def check_plan(plan: Plan) -> None:
 
 @kernel
 def fly_leg(state, params, plan):  # type: ignore[no-untyped-def]
-    """Take the demands of the waypoint `state.changes`, and of the way to the next one where the plan ramps."""
+    """Take the demands of the waypoint `state.changes`, and of the way to the next one where the plan ramps.
+
+    Waypoints whose time is over before the present control instant are passed over.
+    """
     last = int(plan.count) - 1
     here = min(state.changes, last)
+    time = state.steps * params.dt
+    while here < last and plan.time[here + 1] < time + SAME:
+        here += 1
     ahead = min(here + 1, last)
     state.changes = here + 1
     state.next_change = NEVER if here == last else plan.time[ahead]
@@ -130,4 +137,4 @@ def fly_leg(state, params, plan):  # type: ignore[no-untyped-def]
         state.demand[channel] = starts[channel]
         state.demand_rate[channel] = changes[channel] * per_leg
         state.demand_target[channel] = starts[channel] + (changes[channel] if plan.ramp else 0.0)
-    demands_at(state, state.steps * params.dt)
+    demands_at(state, time)
