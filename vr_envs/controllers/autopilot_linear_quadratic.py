@@ -31,7 +31,7 @@ class LinearQuadratic:
 
     The state is (error, rate, last command), relative to the demand. The Riccati law knows no limits; beyond the
     errors from which the aircraft could not stop in time it would overshoot, so the command is kept within the
-    square-root capture of the error that the lag will leave.
+    square-root capture of the error that the lag will leave and a band more, which leaves small errors alone.
     """
 
     TUNABLE: ClassVar[Gains] = {
@@ -66,7 +66,6 @@ class LinearQuadratic:
         flight = self.channels.flight(observations)
         rate, last = flight.rate - flight.demand_rate, flight.command - flight.demand_rate
         change = -(self.gain[:, 0] * flight.error + self.gain[:, 1] * rate + self.gain[:, 2] * last)
-        left = lead(flight.error, flight, self.channels.lag)
-        # near the demand a dead-beat gain, which does not limit what the Riccati law asks for
-        bound = np.abs(capture(left, np.full(3, 1.0 / self.channels.dt), self.share * flight.slew))
+        reach = np.abs(lead(flight.error, flight, self.channels.lag)) + BANDS
+        bound = capture(reach, np.full(3, 1.0 / self.channels.dt), self.share * flight.slew)
         return self.channels.actions(flight.demand_rate + np.clip(last + change, -bound, bound), flight)

@@ -11,7 +11,7 @@ from vr_envs.envs.scene import Scene
 
 
 class ProportionalIntegral:
-    """command = demand rate + k l + I, with the lead error l = e - T (rate - demand rate) and I' = k l / T_i.
+    """command = demand rate + k l + I, with the lead error l = e - T (rate - demand rate) and I' = k e / T_i.
 
     The gain is k = (1 - e^(-dt/tau)) / dt for a time constant tau of the closed loop; its other pole is the lag's own.
     Anti-windup: I stands still while the command is beyond a limit (conditional integration), and is bled off with T_i
@@ -46,9 +46,8 @@ class ProportionalIntegral:
         """Actions (n, 3) for observations (n, 23)."""
         flight = self.channels.flight(observations)
         left = lead(flight.error, flight, self.channels.lag)
-        proportional = self.gain * left
-        commands = flight.demand_rate + proportional + self.integral
-        growth = np.where(np.abs(left) <= self.zone, proportional, -self.integral)
+        commands = flight.demand_rate + self.gain * left + self.integral
+        growth = np.where(np.abs(left) <= self.zone, self.gain * flight.error, -self.integral)
         free = flight.clipped(commands) == commands
         self.integral += np.where(free | (np.abs(left) > self.zone), self.share * growth, 0.0)
         return self.channels.actions(commands, flight)
