@@ -26,7 +26,7 @@ from vr_envs.models.wind import drift
 
 _NODES = 5
 # panels per decay or radian; the error of a panel is below rounding for the fastest motions that options allow
-_PANELS = 2.0
+_PANELS = 3.0
 
 
 def _collocation() -> tuple[tuple[float, ...], tuple[float, ...], tuple[tuple[float, ...], ...]]:

@@ -1,0 +1,30 @@
+"""Bank and load factors of an aircraft in coordinated flight, for which the wings carry everything.
+
+Vertically the lift balances weight and climb acceleration, L cos(bank) = m (g + v_y'); across the path it turns the
+aircraft, L sin(bank) = m v psi'. Path angles are small, as everywhere in this model.
+"""
+
+from __future__ import annotations
+
+import math
+
+from vr_envs.models.autopilot_options import G
+from vr_envs.models.jit import kernel
+
+
+@kernel
+def lateral_load_factor(turn_rate: float, speed: float) -> float:
+    """Acceleration across the path [g], of the sign of the turn rate [rad/s], at a true airspeed [m/s]."""
+    return turn_rate * speed / G
+
+
+@kernel
+def bank(turn_rate: float, speed: float) -> float:
+    """Bank angle [rad] of a level turn, atan(v psi' / g), at a true airspeed [m/s]."""
+    return math.atan(turn_rate * speed / G)
+
+
+@kernel
+def normal_load_factor(turn_rate: float, speed: float, vertical_acceleration: float) -> float:
+    """Lift over weight, 1 in straight level flight; `vertical_acceleration`: rate of change of climb [m/s^2]."""
+    return math.hypot(1.0 + vertical_acceleration / G, turn_rate * speed / G)
