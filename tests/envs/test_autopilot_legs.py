@@ -149,9 +149,11 @@ def test_load_factors_and_saturation() -> None:
         env.step([0.0, 0.0, 1.0])
     state, found = env.get_state(), env.metrics()
     bank = np.arctan(state["speed"] * state["turn_rate"] / 9.80665)
-    assert found["bank_load_factor"] == pytest.approx(1.0 / np.cos(bank), rel=1e-9)
-    assert found["normal_load_factor"] == 1.0 and found["saturated"] == pytest.approx(1.0 / 3.0)
+    assert found["lateral_load_factor"] == pytest.approx(np.tan(bank), rel=1e-9)
+    assert found["normal_load_factor"] == pytest.approx(1.0 / np.cos(bank), rel=1e-9)
+    assert found["saturated"] == pytest.approx(1.0 / 3.0)
     env.step([1.0, 0.9, 0.0])  # climbing takes all power, the acceleration gives way
     assert env.metrics()["saturated"] == pytest.approx((40 + 2) / 123)
-    # the slew of 1.5 m/s^2 is the most that the vertical speed's change can be
-    assert env.metrics()["normal_load_factor"] == pytest.approx(1.0 + 1.5 / 9.80665, rel=1e-6)
+    env.reset(seed=0)
+    env.step([1.0, 0.0, 0.0])  # no more than the slew of 1.5 m/s^2
+    assert env.metrics()["normal_load_factor"] == pytest.approx(1.0 + 1.5 / 9.80665, rel=1e-12)

@@ -23,6 +23,7 @@ from vr_envs.models.atmosphere import airspeed, airspeed_of_mach, highest_airspe
 from vr_envs.models.autopilot import commanded_rates, left_envelope, wrap
 from vr_envs.models.autopilot_options import OPTIONS
 from vr_envs.models.jit import kernel
+from vr_envs.models.load_factor import lateral_load_factor, normal_load_factor
 from vr_envs.models.noise import uniform
 from vr_envs.models.record import dtype_of, quantity
 from vr_envs.models.turbulence import start_gusts
@@ -45,8 +46,8 @@ class State(LegState):
     saturated: int = quantity(
         0, "", "commands at their limits, or accelerations that gave way to the shared power", low=0
     )
-    lateral_peak: float = quantity(0.0, "m/s^2", "largest lateral acceleration, |v turn rate|", low=0.0)
-    normal_peak: float = quantity(0.0, "m/s", "largest change of vertical speed over an interval", low=0.0)
+    lateral_peak: float = quantity(0.0, "", "largest lateral load factor, either way", low=0.0)
+    normal_peak: float = quantity(0.0, "", "largest normal load factor, in the mean over an interval", low=0.0)
     in_band: int = quantity(0, "", "steps with all three errors within the band", low=0)
     lost: bool = quantity(False, "", "the aircraft has left the envelope")
     past: float = quantity(0.0, "m, m/s, rad, ...", "past values for late instruments", shape=(RING, MEASURED))
@@ -105,8 +106,9 @@ def advance(
     """Aircraft and ramping demands over one control interval."""
     before = state.vertical_speed
     model.advance(state, action, params, envelope, energy, lags, atmosphere, wind, shear, turbulence, track, textbook)
-    state.normal_peak = max(state.normal_peak, abs(state.vertical_speed - before))
-    state.lateral_peak = max(state.lateral_peak, abs(state.speed * state.turn_rate))
+    turn, speed, pull = state.turn_rate, state.speed, (state.vertical_speed - before) / params.dt
+    state.lateral_peak = max(state.lateral_peak, abs(lateral_load_factor(turn, speed)))
+    state.normal_peak = max(state.normal_peak, normal_load_factor(turn, speed, pull))
     if demands is not None or plan is not None:
         demands_at(state, (state.steps + 1) * params.dt)
 

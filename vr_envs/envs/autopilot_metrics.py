@@ -6,7 +6,6 @@ import numpy as np
 
 from vr_envs.envs.autopilot_legs import finish_episodes
 from vr_envs.envs.scene import Scene
-from vr_envs.models.autopilot_options import G
 
 # channel, unit, factor from the record's unit
 _CHANNELS = (("altitude", "m", 1.0), ("airspeed", "m_s", 1.0), ("heading", "deg", np.degrees(1.0)))
@@ -22,8 +21,8 @@ def metrics(states: np.ndarray, scene: Scene) -> dict[str, np.ndarray]:
 
     Of the legs, as `autopilot_legs` judges them: legs_held: share of them that ended with all three channels held in
     band for 10 s; per channel ..._rise_s, ..._settling_s, ..._overshoot_pct (means over its steps, 0 if it had
-    none) and ..._steady_error (mean over the legs). bank_load_factor: largest 1 / cos(bank), tan(bank) = v turn
-    rate / g; normal_load_factor: largest 1 + |v_y'| / g, in the mean over an interval.
+    none) and ..._steady_error (mean over the legs). lateral_load_factor, normal_load_factor: largest ones,
+    `vr_envs.models.load_factor`, with the vertical acceleration's mean over an interval.
 
     is_success: never left the envelope, and every leg held (at least one).
     """
@@ -55,6 +54,6 @@ def metrics(states: np.ndarray, scene: Scene) -> dict[str, np.ndarray]:
         "legs_held": after["legs_held"] / legs,
         "saturated": states["saturated"] / (3.0 * steps),
         **found,
-        "bank_load_factor": np.hypot(1.0, states["lateral_peak"] / G),
-        "normal_load_factor": 1.0 + states["normal_peak"] / (dt * G),
+        "lateral_load_factor": states["lateral_peak"],
+        "normal_load_factor": states["normal_peak"],
     }
