@@ -205,8 +205,8 @@ def fly(state, vertical_speed, acceleration, turn_rate, turn_slew, duration, lag
 
 
 @kernel
-def _hold(state, action, params, duration, envelope, energy, lags, wind, shear, track, textbook):  # type: ignore[no-untyped-def]
-    """Fly for `duration` [s] as commanded, with the limits as they are."""
+def commanded_rates(state, action, params, envelope, energy):  # type: ignore[no-untyped-def]
+    """Vertical speed, acceleration and turn rate that an action asks for, and the largest turn rate, as limited now."""
     climb, turn = params.climb, params.turn
     if envelope is not None:
         climb, turn = state.climb_limit, state.turn_limit
@@ -216,13 +216,20 @@ def _hold(state, action, params, duration, envelope, energy, lags, wind, shear, 
         acceleration = min(acceleration, state.weight_per_speed * (climb - vertical_speed))
         idle = state.weight_per_speed * (-energy.idle_sink - vertical_speed)
         acceleration = max(acceleration, min(params.acceleration, idle))
+    return vertical_speed, acceleration, action[2] * turn, turn
+
+
+@kernel
+def _hold(state, action, params, duration, envelope, energy, lags, wind, shear, track, textbook):  # type: ignore[no-untyped-def]
+    """Fly for `duration` [s] as commanded, with the limits as they are."""
+    vertical_speed, acceleration, turn_rate, turn = commanded_rates(state, action, params, envelope, energy)
     if textbook is None:
         slew = 0.0
         if lags is not None:
             slew = turn / lags.roll_in
-        fly(state, vertical_speed, acceleration, action[2] * turn, slew, duration, lags, wind, shear, track)
+        fly(state, vertical_speed, acceleration, turn_rate, slew, duration, lags, wind, shear, track)
     else:
-        fly_in_steps(state, vertical_speed, acceleration, action[2] * turn, duration, track, textbook)
+        fly_in_steps(state, vertical_speed, acceleration, turn_rate, duration, track, textbook)
         state.heading = wrap(state.heading)
 
 
