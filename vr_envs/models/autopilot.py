@@ -117,11 +117,13 @@ def rate_limits(altitude, speed, params, envelope):  # type: ignore[no-untyped-d
 
 
 @kernel
-def renew_limits(state, params, envelope):  # type: ignore[no-untyped-def]
+def renew_limits(state, params, envelope, energy):  # type: ignore[no-untyped-def]
     """Take the limits of where the aircraft is now."""
-    state.climb_limit = climb_limit(state.altitude, params, envelope)
-    state.turn_limit = turn_limit(state.speed, params, envelope)
-    state.weight_per_speed = G / max(state.speed, SLOWEST)
+    if envelope is not None:
+        state.climb_limit = climb_limit(state.altitude, params, envelope)
+        state.turn_limit = turn_limit(state.speed, params, envelope)
+    if energy is not None:
+        state.weight_per_speed = G / max(state.speed, SLOWEST)
     state.sheared = state.speed > 0.0
     state.time_to_refresh = params.refresh
 
@@ -243,7 +245,7 @@ def advance(state, action, params, envelope, energy, lags, atmosphere, wind, she
         piece = left
         if _renewing(envelope, energy, shear):
             if state.time_to_refresh <= 0.0:
-                renew_limits(state, params, envelope)
+                renew_limits(state, params, envelope, energy)
             piece = piece_of(left, state.time_to_refresh)
             # renewed when flown on, so that what a gust does at the end of an interval counts
             state.time_to_refresh, _ = to_next_tick(state.time_to_refresh, piece, 0.0)
