@@ -35,9 +35,9 @@ class LinearQuadratic:
     """
 
     TUNABLE: ClassVar[Gains] = {
-        "altitude_effort": (0.1, 1e5, 300.0),
-        "speed_effort": (0.1, 1e5, 300.0),
-        "heading_effort": (0.1, 1e5, 300.0),
+        "altitude_effort": (1e-3, 1e5, 300.0),
+        "speed_effort": (1e-3, 1e5, 300.0),
+        "heading_effort": (1e-3, 1e5, 300.0),
         "altitude_share": (0.1, 1.0, 0.6),
         "speed_share": (0.1, 1.0, 0.6),
         "heading_share": (0.1, 1.0, 0.6),
