@@ -35,12 +35,12 @@ class LinearQuadratic:
     """
 
     TUNABLE: ClassVar[Gains] = {
-        "altitude_effort": (0.1, 1e5, 300.0),
-        "speed_effort": (0.1, 1e5, 300.0),
-        "heading_effort": (0.1, 1e5, 300.0),
-        "altitude_share": (0.1, 1.0, 0.6),
-        "speed_share": (0.1, 1.0, 0.6),
-        "heading_share": (0.1, 1.0, 0.6),
+        "altitude_effort": (1e-3, 1e5, 30.0),
+        "speed_effort": (1e-3, 1e5, 30.0),
+        "heading_effort": (1e-3, 1e5, 30.0),
+        "altitude_share": (0.1, 1.0, 0.7),
+        "speed_share": (0.1, 1.0, 0.7),
+        "heading_share": (0.1, 1.0, 0.7),
     }
 
     def __init__(self, scene: Scene, **gains: float) -> None:

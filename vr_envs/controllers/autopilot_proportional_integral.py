@@ -20,11 +20,11 @@ class ProportionalIntegral:
     """
 
     TUNABLE: ClassVar[Gains] = {
-        "altitude_time": (0.5, 40.0, 8.0),
-        "speed_time": (0.5, 40.0, 8.0),
-        "heading_time": (0.5, 40.0, 6.0),
-        "integral_time": (5.0, 2000.0, 60.0),
-        "zone": (0.5, 10.0, 3.0),
+        "altitude_time": (0.1, 40.0, 4.0),
+        "speed_time": (0.1, 40.0, 4.0),
+        "heading_time": (0.1, 40.0, 3.0),
+        "integral_time": (5.0, 2000.0, 100.0),
+        "zone": (0.5, 10.0, 2.0),
     }
 
     def __init__(self, scene: Scene, **gains: float) -> None:

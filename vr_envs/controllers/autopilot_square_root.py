@@ -21,12 +21,12 @@ class SquareRoot:
     """
 
     TUNABLE: ClassVar[Gains] = {
-        "altitude_time": (0.5, 30.0, 5.0),
-        "speed_time": (0.5, 30.0, 5.0),
-        "heading_time": (0.5, 30.0, 4.0),
-        "altitude_share": (0.1, 1.0, 0.6),
-        "speed_share": (0.1, 1.0, 0.6),
-        "heading_share": (0.1, 1.0, 0.6),
+        "altitude_time": (0.1, 30.0, 2.0),
+        "speed_time": (0.1, 30.0, 4.0),
+        "heading_time": (0.1, 30.0, 1.5),
+        "altitude_share": (0.1, 1.0, 0.7),
+        "speed_share": (0.1, 1.0, 0.7),
+        "heading_share": (0.1, 1.0, 0.7),
         "lead": (0.3, 2.0, 1.0),
     }
 

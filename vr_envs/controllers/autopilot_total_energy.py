@@ -24,7 +24,7 @@ class TotalEnergy(SquareRoot):
     other gets. Total energy control (Lambregts 1983) divides equally.
     """
 
-    TUNABLE: ClassVar[Gains] = {**SquareRoot.TUNABLE, "priority": (-2.0, 4.0, 1.0)}
+    TUNABLE: ClassVar[Gains] = {**SquareRoot.TUNABLE, "priority": (-4.0, 8.0, 2.0)}
 
     def __init__(self, scene: Scene, **gains: float) -> None:
         """`priority`: the exponent p; the rest as `SquareRoot`."""

@@ -4,28 +4,26 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from typing import Any
-
-import numpy as np
 
 from vr_envs.envs.autopilot_demands import NEVER, START_DRAWS, Demands, change_demands, change_is_due, demands_at
 from vr_envs.envs.autopilot_legs import LegState, begin_leg, finish_leg, watch_leg
 from vr_envs.envs.autopilot_metrics import metrics
 from vr_envs.envs.autopilot_observation import BAND, channels, errors, observe
-from vr_envs.envs.autopilot_plan import Plan, check_plan, fly_leg
+from vr_envs.envs.autopilot_plan import Plan, fly_leg
+from vr_envs.envs.autopilot_scenes import LEVELS, SCENES, action_channels, validate
 from vr_envs.envs.autopilot_sensing import MEASURED, RING, Sensing, remember
 from vr_envs.envs.batch import BatchEnv
 from vr_envs.envs.scalar import ScalarEnv
 from vr_envs.envs.scene import Scene
-from vr_envs.envs.task import Channel, Task
+from vr_envs.envs.task import Task
 from vr_envs.models import autopilot as model
-from vr_envs.models.atmosphere import airspeed, airspeed_of_mach, highest_airspeed, true_airspeed
+from vr_envs.models.atmosphere import airspeed, highest_airspeed, true_airspeed
 from vr_envs.models.autopilot import commanded_rates, left_envelope, wrap
 from vr_envs.models.autopilot_options import OPTIONS
 from vr_envs.models.jit import kernel
 from vr_envs.models.load_factor import lateral_load_factor, normal_load_factor
 from vr_envs.models.noise import uniform
-from vr_envs.models.record import dtype_of, quantity
+from vr_envs.models.record import quantity
 from vr_envs.models.turbulence import start_gusts
 
 # mean command change per interval at which, and share of the score that, restless commands cost
@@ -159,105 +157,18 @@ def outcome(
     return reward, state.lost
 
 
-def action_channels(scene: Scene) -> tuple[Channel, ...]:
-    """The three commands, each a fraction of its limit."""
-    p = scene.params
-    climbs = "" if scene.options["envelope"] is None else ", climb limit falling with altitude"
-    turns = "" if scene.options["envelope"] is None else ", limited by bank"
-    return (
-        Channel("vertical speed command", "m/s", f"-1 descends at {p.descent:g}, 1 climbs at {p.climb:g} m/s{climbs}"),
-        Channel("acceleration command", "m/s^2", f"-1 is -{p.deceleration:g}, 1 is {p.acceleration:g} m/s^2"),
-        Channel("turn command", "rad/s", f"-1 is -{p.turn:.4g}, 1 is {p.turn:.4g} rad/s{turns}"),
-    )
-
-
-def validate(scene: Scene) -> None:
-    """The ranges must be ordered, the operating range inside the envelope, and a plan possible."""
-    p, demands = scene.params, scene.options["demands"]
-    orders = [
-        ("altitude_low", p.altitude_low, "altitude_high", p.altitude_high, False),
-        ("altitude_high", p.altitude_high, "ceiling", p.ceiling, False),
-        ("stall_speed", p.stall_speed, "top_speed", p.top_speed, True),
-        ("stall_speed", p.stall_speed, "speed_low", p.speed_low, False),
-        ("speed_low", p.speed_low, "speed_high", p.speed_high, False),
-        ("speed_high", p.speed_high, "top_speed", p.top_speed, False),
-    ]
-    if (atmosphere := scene.options["atmosphere"]) is not None:
-        top = airspeed_of_mach(atmosphere.mach_high, p.altitude_high)
-        orders += [("speed_low", p.speed_low, "the airspeed of atmosphere.mach_high at altitude_high", top, True)]
-    if demands is not None:
-        orders += [
-            ("dt", p.dt, "demands.hold_low", demands.hold_low, False),
-            ("demands.hold_low", demands.hold_low, "demands.hold_high", demands.hold_high, False),
-            ("demands.share_low", demands.share_low, "demands.share_high", demands.share_high, False),
-        ]
-    for low_name, low, high_name, high, strict in orders:
-        if low > high or (strict and low == high):
-            rule = "be below" if strict else "not exceed"
-            raise ValueError(f"{low_name} = {low:g} is not allowed; it must {rule} {high_name} = {high:g}")
-    if scene.options["plan"] is not None:
-        _check_waypoints(scene)
-
-
-def _check_waypoints(scene: Scene) -> None:
-    """Every waypoint must lie inside the envelope."""
-    plan, (params, options) = scene.options["plan"], scene.records()
-    atmosphere = options[list(scene.options).index("atmosphere")]
-    check_plan(plan)
-    aircraft = np.zeros(1, dtype_of(model.State))[0]
-    for i, (altitude, speed) in enumerate(zip(plan.altitude, plan.airspeed, strict=True)):
-        aircraft["altitude"], aircraft["speed"] = altitude, true_airspeed(altitude, speed, atmosphere)
-        if left_envelope(aircraft, params, atmosphere):
-            raise ValueError(
-                f"waypoint {i} of the plan, {altitude:g} m at {speed:g} m/s, is not allowed; it must be above the "
-                f"ground, below the ceiling ({params['ceiling']:g} m), between stall_speed "
-                f"({params['stall_speed']:g} m/s) and top_speed ({params['top_speed']:g} m/s), and below the Mach "
-                "number where the aircraft breaks up"
-            )
-
-
 def _control_interval(scene: Scene) -> float:
     return scene.params.dt
 
-
-# equivalent airspeeds
-AIRLINER: dict[str, Any] = {
-    "speed_low": 75.0,
-    "speed_high": 160.0,
-    "stall_speed": 60.0,
-    "top_speed": 185.0,
-    "envelope": True,
-    "energy": True,
-    "lags": True,
-    "atmosphere": True,
-    "turbulence": True,
-    "demands": True,
-}
 
 TASK = Task(
     name="autopilot",
     params=model.Params,
     options={**OPTIONS, "demands": Demands, "plan": Plan, "sensing": Sensing},
     state=State,
-    scenes={
-        "airliner": AIRLINER,
-        "airliner-rough": {
-            **AIRLINER,
-            "turbulence": {"wind_20ft": 5.0, "sigma": 1.0},
-            "wind": True,
-            "shear": True,
-            "track": True,
-            "sensing": True,
-        },
-        "lecture": {"track": True, "demands": True},
-    },
+    scenes=SCENES,
     default_scene="airliner",
-    # light and moderate turbulence of MIL-F-8785C
-    levels={
-        "nominal": {},
-        "light": {"turbulence": {"wind_20ft": 7.7, "sigma": 1.5}},
-        "severe": {"turbulence": {"wind_20ft": 15.4, "sigma": 3.0}},
-    },
+    levels=LEVELS,
     start=start,
     advance=advance,
     outcome=outcome,
@@ -279,8 +190,8 @@ class AutopilotEnv(ScalarEnv):
     The first-order aircraft of the lecture (virtual environments, after Vince 1995): a point with altitude, airspeed
     and heading, whose vertical speed, acceleration and turn rate are commanded within limits. The default scene is
     an airliner of about 100 t: its rates lag behind the commands, its limits depend on altitude and speed, climbing
-    and accelerating draw on one power, and gusts disturb it. The demands change every 40 to 120 s. Motion over a
-    control interval (1 s) is exact.
+    and accelerating draw on one power, airspeeds are equivalent ones in the standard atmosphere, and turbulence
+    disturbs it. The demands change every 40 to 120 s. Motion over a control interval (1 s) is exact.
 
     ## Action Space
     `Box(-1, 1, (3,), float32)`, held over the interval:
@@ -288,7 +199,7 @@ class AutopilotEnv(ScalarEnv):
     | # | command | -1 | 1 |
     |---|---|---|---|
     | 0 | vertical speed | descent limit, 10 m/s | climb limit, 13 m/s at sea level, 6 m/s at 11 km |
-    | 1 | acceleration | -0.6 m/s^2 | 0.6 m/s^2 |
+    | 1 | true acceleration | -0.6 m/s^2 | 0.6 m/s^2 |
     | 2 | turn rate | -3 deg/s, or what 25 deg of bank allow | as much to the other side (z towards x) |
 
     With the option `energy` the acceleration gives way, so that the commanded g v_y + v a stays between -8 m/s and
@@ -296,49 +207,61 @@ class AutopilotEnv(ScalarEnv):
 
     ## Observation Space
     `Box(-1, 1, (23,), float32)`; e = demand - value, the heading's the short way round; band b = 15 m, 1 m/s,
-    0.5 deg; channels in the order altitude, airspeed, heading:
+    0.5 deg; channels in the order altitude, airspeed, heading; the airspeed is the equivalent one with the option
+    `atmosphere`, the true one otherwise:
 
     | # | quantity | unit | value |
     |---|---|---|---|
     | 0-2 | error, logarithmic | m, m/s, rad | sign(e) ln(1 + abs(e) / b) / ln(1 + s / b), s = 15 km, 300 m/s, pi |
     | 3-5 | error, near | m, m/s, rad | e / (b + abs(e)) |
-    | 6-8 | lead error e - lag (rate - demand rate) | m, m/s, rad | as 3-5 |
-    | 9-11 | vertical speed, acceleration, turn rate | m/s, m/s^2, rad/s | in units of the largest limit |
+    | 6-8 | lead error e - lag (rate - demand rate) | m, m/s, rad | as 3-5; the rate is that of the value |
+    | 9-11 | vertical speed, true acceleration, turn rate | m/s, m/s^2, rad/s | in units of the largest limit |
     | 12-14 | rates of change of the demands | m/s, m/s^2, rad/s | in units of the largest limit |
-    | 15 | airspeed | m/s | -1 at the stall speed (60), 1 at the top speed (300) |
+    | 15 | airspeed | m/s | -1 at the stall speed (60), 1 at the top speed (185) |
     | 16 | altitude | m | -1 at 0, 1 at the ceiling (13000) |
     | 17-19 | last action | 1 | as given |
     | 20-22 | the action before | 1 | as given |
 
-    Values are clipped to [-1, 1]. `vr_envs.envs.autopilot_observation.read` turns a batch back into SI units.
+    Values are clipped to [-1, 1]. `vr_envs.envs.autopilot_observation.read` turns a batch back into SI units. With the
+    option `sensing` all but the demands and actions are late and have errors.
 
     ## Rewards
     Mean over the channels of b / (b + abs(e)) at the end of the interval, times 1 - 0.1 min(c / 0.5, 1), where c is
     the mean change of the three commands: 1 is perfect, 0 when the aircraft leaves the envelope.
 
     ## Starting State
-    Level flight without turn, altitude uniform in 300 to 11000 m, airspeed in 75 to 250 m/s, any heading; gusts from
-    their stationary distribution. The demands are that state with a first change. At each change every channel
-    changes with probability 3/4, by 3 to 60 % of what can be reached until the next change; one change in four is a
-    ramp over that time. Demands depend on the episode's key alone, not on the flight.
+    Level flight without turn, altitude uniform in 300 to 11000 m, equivalent airspeed in 75 to 160 m/s (or to Mach
+    0.79), any heading; gusts from their stationary distribution. The demands are that state with a first change. At
+    each change every channel changes with probability 3/4, by 3 to 60 % of what can be reached until the next change;
+    one change in four is a ramp over that time. Demands depend on the episode's key alone, not on the flight. With a
+    flight plan the start is its first waypoint.
 
     ## Episode End
-    Terminated: on the ground, stalled (60 m/s), above the top speed (300 m/s) or the ceiling (13 km). Truncated:
-    after 480 steps by the registered time limit.
+    Terminated: on the ground, below 60 or above 185 m/s of equivalent airspeed, above Mach 0.86 or the ceiling (13 km).
+    Truncated: after 480 steps by the registered time limit.
 
-    At the end `info` holds `is_success` (inside the envelope, half of the time in band), mean
-    absolute `altitude_error_m`, `airspeed_error_m_s` and `heading_error_deg`, `time_in_band`, `movement` (mean
-    command change per step) and `left_envelope`.
+    At the end `info` holds `is_success`: never left the envelope, and every leg between two changes (that lasts 20 s
+    and ended) was held: all three errors within their bands throughout its last 10 s. Further the mean absolute
+    `altitude_error_m`, `airspeed_error_m_s`, `heading_error_deg`; `time_in_band`; `movement` (mean command change per
+    step); `left_envelope`; `legs_held` (share); `saturated` (share of the commands); for each channel `..._rise_s`,
+    `..._settling_s`, `..._overshoot_pct` and `..._steady_error_...` (`vr_envs.envs.autopilot_legs` defines them); the
+    peaks `lateral_load_factor` and `normal_load_factor`.
 
     ## Arguments
-    - `scene`: "airliner" (default), "lecture" (constant limits, rates follow at once, still air, with ground track),
-      or a dict of overrides: the fields of `vr_envs.models.autopilot.Params`, and the options `envelope` (limits that
-      depend on altitude and speed), `energy`, `lags`, `gust`, `track` (ground track x, z) and `demands` (without it
-      the demands stay what the flight starts with), each null, true or a dict of its fields. Angles in rad.
+    - `scene`: "airliner" (default), "airliner-rough" (with wind, shear, ground track, instruments and more turbulence),
+      "lecture" (constant limits, rates follow at once, still air, true airspeeds, with ground track), or a dict of
+      overrides: the fields of `vr_envs.models.autopilot.Params`, and the options `envelope` (limits that depend on
+      altitude and speed), `energy`, `lags`, `atmosphere`, `wind`, `shear`, `turbulence`, `track` (ground track x, z),
+      `demands` (random ones; without a programme the demands stay what the flight starts with), `plan` (a flight plan
+      in their place, also as the path of a CSV file) and `sensing` (errors and delay of the instruments), each null,
+      true or a dict of its fields. Angles in rad.
+    - `engine`: "exact" (default) or "textbook" (the lecture's recurrence at a chosen step; knows no lags and no air
+      that moves).
     - `render_mode`: None, "rgb_array" or "human".
 
     ## Version History
-    - v1: Dryden turbulence in place of first-order gusts; the ISA; limits renewed once per second of flight.
+    - v1: equivalent airspeeds in the ISA; Dryden turbulence in place of first-order gusts; limits renewed once per
+      second of flight; demands that do not depend on the control interval; success is judged leg by leg.
     - v0: first version.
     """
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import dataclasses
 import math
 from typing import Any, ClassVar
@@ -10,6 +9,7 @@ from typing import Any, ClassVar
 from vr_envs.envs.autopilot_demands import NEVER, demands_at
 from vr_envs.models.autopilot import wrap
 from vr_envs.models.clock import SAME
+from vr_envs.models.csv_columns import read_columns
 from vr_envs.models.jit import kernel
 from vr_envs.models.record import quantity
 
@@ -46,47 +46,17 @@ class Plan:
 
     @staticmethod
     def read(path: str) -> dict[str, Any]:
-        """The fields of a plan from a CSV file with a header row.
-
-        The columns time_s, altitude_m, airspeed_m_s and heading_deg are found by name, others are left alone.
+        """The fields of a plan from a CSV file with the columns time_s, altitude_m, airspeed_m_s and heading_deg.
 
         Raises:
-            ValueError: the file cannot be read, a column is missing, or a line has no number where one should be; it
-                names the file, the line and the column.
+            ValueError: as `read_columns`, or the file has no waypoint.
         """
-        try:
-            with open(path, newline="", encoding="utf-8-sig") as file:
-                reader = csv.reader(file)
-                rows = [(reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
-        except (OSError, UnicodeDecodeError, csv.Error) as error:
-            raise ValueError(f"flight plan {path!r} cannot be read: {error}; give the path of a CSV file") from error
-        header = [name.strip() for name in rows[0][1]] if rows else []
-        for name in COLUMNS:
-            if header.count(name) != 1:
-                raise ValueError(
-                    f"flight plan {path!r} has {header.count(name)} columns {name!r} in its first line; "
-                    f"give a header with each of {', '.join(COLUMNS)} once"
-                )
-        columns = [[_number(path, line, header, row, name) for line, row in rows[1:]] for name in COLUMNS]
-        if not columns[0]:
+        _, columns = read_columns(path, COLUMNS, "flight plan")
+        time, altitude, airspeed, heading = (tuple(columns[name]) for name in COLUMNS)
+        if not time:
             raise ValueError(f"flight plan {path!r} has no waypoint; give at least one line below the header")
-        headings = tuple(float(wrap(math.radians(degrees))) for degrees in columns[3])
-        return {
-            "time": tuple(columns[0]), "altitude": tuple(columns[1]), "airspeed": tuple(columns[2]), "heading": headings
-        }  # fmt: skip
-
-
-def _number(path: str, line: int, header: list[str], row: list[str], name: str) -> float:
-    """The finite number of a line in the column `name`."""
-    place = header.index(name)
-    text = row[place].strip() if place < len(row) else ""
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise ValueError(f"flight plan {path!r}, line {line}: {name} = {text!r} is not a finite number; give one")
-    return value
+        headings = tuple(float(wrap(math.radians(degrees))) for degrees in heading)
+        return {"time": time, "altitude": altitude, "airspeed": airspeed, "heading": headings}
 
 
 def check_plan(plan: Plan) -> None:

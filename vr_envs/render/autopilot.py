@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vr_envs.models.atmosphere import airspeed
 from vr_envs.models.autopilot import G, wrap
 from vr_envs.render.base import Painter
 from vr_envs.render.canvas import Box, Point
@@ -35,6 +36,8 @@ SPAN = 120.0  # s, of the strip charts
 CHANNELS = (("Altitude", "m", 100.0), ("Airspeed", "m/s", 10.0), ("Heading", "\N{DEGREE SIGN}", 20.0))
 STRIP_LEFT, STRIP_WIDTH, STRIP_HEIGHT, STRIP_PITCH = 66.0, 360.0, 84.0, 112.0
 DIAL = 52.0  # points, radius
+MAP = 0.8 * DIAL  # points: the ground track of the strips' time fits into this radius
+WIND = 24.0  # points, length of its arrow
 PATH_SCALE = DIAL / math.radians(20.0)  # points per radian of climb angle
 
 
@@ -48,6 +51,7 @@ class AutopilotPainter(Painter):
         super().__init__(scene, render_mode)
         self._history = History(SPAN)
         self._key: int | None = None
+        self._atmosphere = scene.records()[1][list(scene.options).index("atmosphere")]
 
     def paint(self, state: np.void) -> None:
         """Draw a state."""
@@ -61,7 +65,7 @@ class AutopilotPainter(Painter):
         for x, label, align in ends:
             self.canvas.text(label, (x, 382.0), GREY, SMALL, align)
         self._attitude(state)
-        self._rose(state)
+        self._rose(state, rows)
         if state["lost"]:
             self.canvas.text("left the envelope", (WIDTH - MARGIN, 44.0), RED, align="right")
 
@@ -75,7 +79,9 @@ class AutopilotPainter(Painter):
             heading = before + wrap(heading - before)
         demand = [float(d) for d in state["demand"]]
         demand[2] = heading + wrap(demand[2] - heading)
-        self._history.add(time, float(state["altitude"]), float(state["speed"]), heading, *demand)
+        speed = float(airspeed(state["altitude"], state["speed"], self._atmosphere))
+        place = float(state["x"]), float(state["z"])
+        self._history.add(time, float(state["altitude"]), speed, heading, *demand, *place)
 
     def _strip(self, channel: int, now: float, rows: np.ndarray) -> None:
         name, unit, least = CHANNELS[channel]
@@ -137,8 +143,8 @@ class AutopilotPainter(Painter):
     def _note(self, x: float, y: float, string: str) -> None:
         self.canvas.text(signed(string), (x, y), INK, SMALL, "centre")
 
-    def _rose(self, state: np.void) -> None:
-        """The compass card, heading up; the demand is a mark on its rim."""
+    def _rose(self, state: np.void, rows: np.ndarray) -> None:
+        """The compass card, heading up, with the ground track in it; the demand is a mark on its rim."""
         cx, cy = centre = (WIDTH - MARGIN - 84.0, 295.0)
         heading = float(state["heading"])
 
@@ -157,10 +163,36 @@ class AutopilotPainter(Painter):
         mark = [point(demand - 0.11, DIAL + 8.0), point(demand + 0.11, DIAL + 8.0), point(demand, DIAL - 1.0)]
         self.canvas.polygon(mark, ORANGE)
         self.canvas.line([(cx, cy - DIAL + 1.0), (cx, cy - DIAL + 11.0)], BLUE, 2.5)
+        if self.scene.options["track"] is not None:
+            away = rows[:, 7:9] - rows[-1, 7:9]
+            distance, direction = np.hypot(*away.T), np.arctan2(*away.T)
+            scale = MAP / max(1.0, distance.max())
+            track = [point(d, r * scale) for d, r in zip(direction, distance, strict=True)]
+            self.canvas.line(track, PALE_BLUE, 2.0)
+            self._wind(float(state["altitude"]), heading, (cx - DIAL - 14.0, cy - DIAL - 2.0))
         # the aircraft from above
         self.canvas.line([(cx, cy - 13.0), (cx, cy + 12.0)], BLUE, 3.0)
         self.canvas.polygon([(cx, cy - 6.0), (cx - 15.0, cy + 5.0), (cx + 15.0, cy + 5.0)], BLUE)
         self.canvas.polygon([(cx, cy + 7.0), (cx - 6.0, cy + 13.0), (cx + 6.0, cy + 13.0)], BLUE)
+
+    def _wind(self, altitude: float, heading: float, centre: Point) -> None:
+        """An arrow that blows with the wind at the aircraft, heading up, and its speed."""
+        wind, shear = self.scene.options["wind"], self.scene.options["shear"]
+        east = north = 0.0
+        for part, speed in ((wind, wind and wind.speed), (shear, shear and shear.gradient * altitude)):
+            if part is not None:
+                east, north = east - speed * math.sin(part.origin), north - speed * math.cos(part.origin)
+        if east == north == 0.0:
+            return
+        direction = math.atan2(east, north) - heading
+        x, y = 0.5 * WIND * math.sin(direction), -0.5 * WIND * math.cos(direction)
+        cx, cy = centre
+        tip = cx + x, cy + y
+        self.canvas.line([(cx - x, cy - y), tip], GREY, 1.6)
+        for side in (-2.6, 2.6):
+            barb = tip[0] + 6.0 * math.sin(direction + side), tip[1] - 6.0 * math.cos(direction + side)
+            self.canvas.line([barb, tip], GREY, 1.6)
+        self._note(cx, cy + 0.5 * WIND + 8.0, f"{math.hypot(east, north):.0f} m/s")
 
 
 PAINTER = AutopilotPainter
