@@ -8,7 +8,9 @@ import pytest
 from vr_envs.envs.scene import resolve
 from vr_envs.envs.terrain_ride import TASK
 from vr_envs.envs.world import World
+from vr_envs.models.quarter_car import lift_off
 from vr_envs.models.ride_options import G
+from vr_envs.rigid_body.terrain_ride import Vehicle
 
 RIDE = ("travel", "velocity")
 CAR = (*RIDE, "deflection", "hub_velocity")
@@ -93,6 +95,33 @@ def test_a_car_in_the_air_falls_freely(step):
     assert np.abs(momentum - begin - fallen).max() < 3.0 * patch
 
 
+def test_a_dropped_car_lands_as_the_exact_one_does():
+    """On level ground, where a contact may overlap least."""
+    scene = {**QUARTER_CAR, **LEVEL, **UNLOADED}
+    start = {"deflection": 0.1, "hub_velocity": -1.0, "velocity": -0.5, "travel": 0.06, "airborne": True}
+    exact, *found = (moved(world(step, **scene), 12, **start) for step in (None, 1e-3, 1e-4))
+    assert exact["airborne"][0] and not exact["airborne"][-1]
+    for field in CAR:
+        coarse, fine = (np.abs(one[field] - exact[field]).max() for one in found)
+        assert fine < 0.15 * coarse and fine < 8e-4 * np.abs(exact[field]).max()
+
+
+def test_joints_and_contacts_are_put_right_within_a_step():
+    """The patch hangs at the tyre's free length once it is lifted, and lies on the ground as soon as it has landed."""
+    car = world(1e-4, **QUARTER_CAR, **LEVEL, **UNLOADED)
+    hanging, landing = car.states[0].copy(), car.states[0].copy()
+    limit = lift_off(car.params, dict(zip(car.scene.options, car.options, strict=True))["tyre"])
+    for state, height, falling in ((hanging, -0.0021, 2.0), (landing, 0.003, -1.0)):
+        state["deflection"], state["hub_velocity"], state["travel"] = limit + height, falling, 0.06
+        state["airborne"] = height > 0.0
+    air, ground = (Vehicle(car.simulator, state, 0.01, 20.0) for state in (hanging, landing))
+    air.run()
+    ground.run()
+    assert hanging["airborne"] and not landing["airborne"]
+    assert abs(air.hub.position.y - air.wheel.position.y - air.free) < 2e-6
+    assert abs(ground.wheel.position.y) < 2e-6
+
+
 @pytest.mark.parametrize("scene", [{}, QUARTER_CAR], ids=str)
 def test_a_levelled_car_stays_at_rest_whatever_its_modulus(scene):
     rows = moved(world(1e-3, **LEVEL, **UNLOADED, **scene), 20)
@@ -121,9 +150,9 @@ def test_the_wheel_stays_on_the_ground_whatever_pulls_at_it():
 
 
 def test_speed_and_way_are_those_of_the_exact_ride():
-    scene = {"cruise": {"acceleration": 20.0}, "dt": 0.013}
+    scene = {"cruise": {"acceleration": 20.0, "slowest": 19.3, "fastest": 20.7}, "dt": 0.013}
     exact, found = moved(world(**scene), 60), moved(world(1e-4, **scene), 60)
-    assert np.ptp(exact["speed"]) > 3.0
+    assert np.ptp(exact["speed"]) > 1.0  # and it is reached within some intervals
     for field in ("speed", "distance", "to_knot", "knot"):
         assert np.allclose(found[field], exact[field], 1e-12, 1e-12)
     assert np.abs(found["travel"] - exact["travel"]).max() < 5e-3 * np.abs(exact["travel"]).max()

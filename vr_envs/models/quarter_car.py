@@ -98,6 +98,22 @@ def _road_rates(state, t, slope, speed, acceleration, undulation):
 
 
 @kernel
+def _next_waves(part, now, before, numbers, speed, change):
+    """Terms of exp(i phase) one order on, and the present ones times the rate of the phase, all per wave."""
+    a = numbers[0] * (speed * now[0] + change * before[0])
+    b = numbers[1] * (speed * now[1] + change * before[1])
+    c = numbers[2] * (speed * now[2] + change * before[2])
+    return (
+        (
+            complex(-part * a.imag, part * a.real),
+            complex(-part * b.imag, part * b.real),
+            complex(-part * c.imag, part * c.real),
+        ),
+        (a.real, b.real, c.real),
+    )
+
+
+@kernel
 def flow(state, h, norm, system, slope, speed, acceleration, undulation):
     """x after the time h [s] in one regime, and what its terms say of travel and deflection on the way there.
 
@@ -110,27 +126,19 @@ def flow(state, h, norm, system, slope, speed, acceleration, undulation):
     low_a, high_a, fall_a, rise_a, jerk_a = a, a, 0.0, 0.0, 0.0
     low_c, high_c, fall_c, rise_c, jerk_c = c, c, 0.0, 0.0, 0.0
     climb, change = slope * speed, slope * acceleration * h
+    amplitudes = numbers = (0.0, 0.0, 0.0)
+    now = before = (0j, 0j, 0j)
     if undulation is not None:
         amplitudes, numbers, now = _waves(state, undulation)
-        before = (0j, 0j, 0j)
     rest, order = 1.0, 0.0
     while rest > REST:
         order += 1.0
         part = h / order
         rest *= norm * part
         if undulation is not None:
-            x = numbers[0] * (speed * now[0] + acceleration * h * before[0])
-            y = numbers[1] * (speed * now[1] + acceleration * h * before[1])
-            z = numbers[2] * (speed * now[2] + acceleration * h * before[2])
-            climb += amplitudes[0] * x.real + amplitudes[1] * y.real + amplitudes[2] * z.real
-            before, now = (
-                now,
-                (
-                    complex(-part * x.imag, part * x.real),
-                    complex(-part * y.imag, part * y.real),
-                    complex(-part * z.imag, part * z.real),
-                ),
-            )
+            after, rates = _next_waves(part, now, before, numbers, speed, acceleration * h)
+            climb += amplitudes[0] * rates[0] + amplitudes[1] * rates[1] + amplitudes[2] * rates[2]
+            now, before = after, now
         a, b, c, d = (
             part * (b - d),
             part * ((push - w2 * a) - (gamma * b - pull * d)),
