@@ -8,7 +8,8 @@ from scipy.integrate import solve_ivp
 G = 9.80665
 NAMES = ("vertical_speed", "acceleration", "turn_rate", "altitude", "speed", "heading", "x", "z")
 TAU, SLEW = (2.5, 3.5, 1.8), (1.5, 0.15)  # of the default lags
-BANK, IDLE, WIND, GRADIENT, ORIGIN = math.radians(25.0), 8.0, 10.0, 0.003, 0.0
+BANK, IDLE = math.radians(25.0), 8.0
+WIND, WIND_ORIGIN, GRADIENT, SHEAR_ORIGIN = 12.0, 2.0, 0.02, 0.7
 
 
 class Flight:
@@ -45,12 +46,13 @@ class Flight:
             bends = np.array([min(slew[i], max(-slew[i], (goal[i] - y[i]) / TAU[i])) for i in range(3)])
         east, north = math.sin(y[5]), math.cos(y[5])
         gain = rates[1]
-        wind = WIND * ("wind" in self.parts)
+        over = y[4] * np.array([east, north])
+        if "wind" in self.parts:
+            over -= WIND * np.array([math.sin(WIND_ORIGIN), math.cos(WIND_ORIGIN)])
         if "shear" in self.parts:
-            wind += GRADIENT * y[3]
+            over -= GRADIENT * y[3] * np.array([math.sin(SHEAR_ORIGIN), math.cos(SHEAR_ORIGIN)])
         if self.sheared:
-            gain += GRADIENT * rates[0] * math.cos(y[5] - ORIGIN)
-        over = y[4] * east - wind * math.sin(ORIGIN), y[4] * north - wind * math.cos(ORIGIN)
+            gain += GRADIENT * rates[0] * math.cos(y[5] - SHEAR_ORIGIN)
         return np.array([*bends, rates[0], gain, rates[2], *over])
 
     def _integrate(self, goal: tuple[float, ...], slew: tuple[float, ...], duration: float) -> tuple[np.ndarray, float]:
@@ -77,7 +79,7 @@ class Flight:
 
     def _second(self, goal: tuple[float, float, float], slew: tuple[float, ...]) -> None:
         left = 1.0
-        while left > 1e-15:
+        while left > 1e-14:
             if "lags" not in self.parts:
                 self.y[:3] = goal
             if self.y[4] <= 0.0 and self.y[1] <= 0.0:
@@ -89,10 +91,9 @@ class Flight:
             corners = [left]
             if "lags" in self.parts:
                 corners += [(abs(goal[i] - self.y[i]) - slew[i] * TAU[i]) / slew[i] for i in range(3)]
-            piece = min(c for c in corners if c > 1e-15)
-            begin = self.y[4]
+            piece = min(c for c in corners if c > 1e-14)
             self.y, time = self._integrate(goal, slew, piece)
-            if time < piece or (begin > 0.0 and self.y[4] <= 0.0):
+            if time < piece:
                 self.y[4] = self.y[1] = 0.0
                 self.sheared = False
                 self.stops += 1

@@ -65,3 +65,13 @@ def test_mach_limits_the_operating_range_from_above() -> None:
         expected = min(250.0, 0.79 * 340.294 * math.sqrt(air.pressure(altitude) / 101325.0))
         assert air.highest_airspeed(altitude, PARAMS, OPTION) == pytest.approx(expected, rel=1e-6)
     assert air.highest_airspeed(10000.0, PARAMS, OPTION) < 250.0
+
+
+@pytest.mark.parametrize("altitude", [4000.0, 13000.0])
+def test_rate_of_change_of_the_airspeed_is_its_derivative_along_a_climb(altitude: float) -> None:
+    climb, acceleration, step = 12.0, 0.3, 0.01
+    rate = air.airspeed_rate(altitude, air.airspeed(altitude, 200.0, OPTION), climb, acceleration, OPTION)
+    after = air.airspeed(altitude + climb * step, 200.0 + acceleration * step, OPTION)
+    before = air.airspeed(altitude - climb * step, 200.0 - acceleration * step, OPTION)
+    assert rate == pytest.approx((after - before) / (2.0 * step), rel=1e-6)
+    assert air.airspeed_rate(altitude, 200.0, climb, acceleration, None) == acceleration

@@ -77,41 +77,30 @@ def test_law_of_an_interval_is_exact(q: float) -> None:
     np.testing.assert_allclose(covariance, expected, rtol=1e-13, atol=0)
 
 
-def test_cholesky_factor_is_accurate_where_the_integral_is_nearly_determined() -> None:
-    """det of the covariance of (p1, p2, integral): what the factor's last entry is for; relative 1e-11."""
-    for q in (1e-6, 0.01, 0.3, 0.499, 0.501, 2.0):
-        *_, l11, _, l22, _, _, l33 = gusts.interval_law(q)
-        with mpmath.workdps(60):
-            kernels = [
-                lambda r: mpmath.exp(-r),
-                lambda r: r * mpmath.exp(-r),
-                lambda r: 1 - (1 + r) * mpmath.exp(-r),
-            ]
-            gram = mpmath.matrix(3)
-            for i in range(3):
-                for j in range(3):
-                    gram[i, j] = mpmath.quad(lambda r, i=i, j=j: kernels[i](r) * kernels[j](r), [0, mpmath.mpf(q)])
-            scaled = float(mpmath.det(gram) / mpmath.mpf(q) ** 9)
-        assert (l11 * l22 * l33) ** 2 == pytest.approx(scaled, rel=1e-11)
+@pytest.mark.parametrize("q", [1e-6, 0.01, 0.3, 0.499, 0.501, 2.0])
+def test_cholesky_factor_is_accurate_where_the_integral_is_nearly_determined(q: float) -> None:
+    """det of the covariance of (p1, p2, integral of p2): what the factor's last entry is for."""
+    *_, l11, _, l22, _, _, l33 = gusts.interval_law(q)
+    kernels = [lambda r: mpmath.exp(-r), lambda r: r * mpmath.exp(-r), lambda r: 1 - (1 + r) * mpmath.exp(-r)]
+    with mpmath.workdps(60):
+        gram = mpmath.matrix(3)
+        for i in range(3):
+            for j in range(3):
+                gram[i, j] = mpmath.quad(lambda r, i=i, j=j: kernels[i](r) * kernels[j](r), [0, mpmath.mpf(q)])
+        scaled = float(mpmath.det(gram) / mpmath.mpf(q) ** 9)
+    assert (l11 * l22 * l33) ** 2 == pytest.approx(scaled, rel=1e-11)
 
 
 @pytest.mark.parametrize("q", [1e-3, 0.2, 0.7, 0.99, 3.0])
 def test_two_halves_have_the_law_of_the_whole(q: float) -> None:
     phi, covariance = transition(q)
     half, part = transition(0.5 * q)
-    # state after the first half, and the mean over it
-    step = np.zeros((3, 3))
-    step[:2, :2], step[2, :2] = half[:2], half[2]
-    begin = np.vstack([half[:2], half[2]])
-    second = np.zeros((3, 3))
-    second[:, :2] = half
-    both = second.copy()
-    both[2] = 0.5 * second[2]
-    both[2, 2] = 0.5
-    np.testing.assert_allclose(both @ begin, phi, rtol=0, atol=1e-12)
-    later = part.copy()
+    first = np.vstack([half[:2], half[2]])
+    both = np.zeros((3, 3))  # from p1, p2 and the mean at half time to those of the whole
+    both[:2, :2], both[2, :2], both[2, 2] = half[:2], 0.5 * half[2], 0.5
     scale = np.diag([1.0, 1.0, 0.5])
-    np.testing.assert_allclose(both @ part @ both.T + scale @ later @ scale, covariance, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(both @ first, phi, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(both @ part @ both.T + scale @ part @ scale, covariance, rtol=0, atol=1e-12)
 
 
 def test_stationary_law_is_kept_and_has_variance_one() -> None:
@@ -155,7 +144,7 @@ def flown(count: int, length: int, duration: float, track: np.void | None = None
 
 
 def test_spectra_are_those_of_the_standard() -> None:
-    """Welch's periodograms of 400 flights against the one-sided formulas over frequency f = W V / (2 pi), aliases added.
+    """Welch's periodograms of 400 flights against the one-sided formulas in f = W V / (2 pi), aliases added.
 
     400 x 3 windows of 32 s scatter by 3 % at a frequency, by 0.4 % in the mean over the band.
     """
@@ -187,7 +176,7 @@ def test_variances_and_correlations_at_a_second() -> None:
 
 
 def test_what_gusts_do_to_the_aircraft() -> None:
-    """One interval at 4 km: altitude and sideways drift have the integral's variance, airspeed gains the gust's change."""
+    """One interval: altitude and sideways drift have the integral's variance, airspeed gains the gust's change."""
     n, duration, speed = 4000, 2.0, 200.0
     states, *_ = flown(n, 0, duration, TRACK)
     before = states.copy()

@@ -1,68 +1,18 @@
-"""Autopilot laws that need no training."""
+"""The autopilot laws that need no training, weakest first."""
 
 from __future__ import annotations
 
-import math
-from typing import ClassVar
-
-import numpy as np
-
-from vr_envs.envs.autopilot_observation import BAND, actions_for, read
-from vr_envs.envs.scene import Scene
+from vr_envs.controllers.autopilot_lecture import LectureLaw
+from vr_envs.controllers.autopilot_linear_quadratic import LinearQuadratic
+from vr_envs.controllers.autopilot_proportional_integral import ProportionalIntegral
+from vr_envs.controllers.autopilot_square_root import SquareRoot
+from vr_envs.controllers.autopilot_total_energy import TotalEnergy
 
 BASELINE = "lecture"
-# the angle atan(v_x / v) is turned in this time [s]; the lecture leaves it out, its step is 1 s
-TURN_TIME = 1.0
-# a captured channel is released when its error exceeds this multiple of the threshold
-RELEASE = 2.0
-
-
-class LectureLaw:
-    """The lecture's autopilot: each rate proportional to its error, clamped, and off while the error is captured.
-
-    v_y' = clamp(k_y y_err, -V_des, V_cli); a' = clamp(k_a v_err, -A_dec, A_acc); v_x' = clamp(k_h psi_err, V_M)
-    turns the heading by atan(v_x' / v). A channel is captured when its error falls below the threshold, and
-    acquired again beyond twice the threshold (the lecture gives no hysteresis; without one it chatters).
-    Default gains are time constants of 11 s for altitude, 12.5 s for airspeed, 11 s for heading at 150 m/s.
-    """
-
-    TUNABLE: ClassVar[dict[str, tuple[float, float, float]]] = {
-        "altitude_gain": (0.01, 1.0, 1.0 / 11.0),
-        "speed_gain": (0.01, 1.0, 1.0 / 12.5),
-        "heading_gain": (1.0, 200.0, 150.0 * TURN_TIME / 11.0),
-        "altitude_threshold": (0.0, 30.0, BAND[0]),
-        "speed_threshold": (0.0, 2.0, BAND[1]),
-        "heading_threshold": (0.0, math.radians(1.0), BAND[2]),
-    }
-
-    def __init__(self, scene: Scene, **gains: float) -> None:
-        """Gains in 1/s, 1/s and (m/s)/rad; thresholds in m, m/s and rad."""
-        gain = {name: gains.get(name, default) for name, (_, _, default) in self.TUNABLE.items()}
-        self.scene = scene
-        self.altitude_gain, self.speed_gain = gain["altitude_gain"], gain["speed_gain"]
-        self.heading_gain = gain["heading_gain"]
-        self.thresholds = np.array([gain[f"{name}_threshold"] for name in ("altitude", "speed", "heading")])
-        self.reset(0)
-
-    def reset(self, n: int) -> None:
-        """No channel is captured."""
-        self.captured = np.zeros((n, 3), np.bool_)
-
-    def __call__(self, observations: np.ndarray) -> np.ndarray:
-        """Actions (n, 3) for observations (n, 23)."""
-        reading = read(observations, self.scene)
-        size = np.abs(reading.error)
-        self.captured = size < np.where(self.captured, RELEASE, 1.0) * self.thresholds
-        lateral = self.heading_gain * reading.error[:, 2]
-        rates = np.stack(
-            [
-                self.altitude_gain * reading.error[:, 0],
-                self.speed_gain * reading.error[:, 1],
-                np.arctan(lateral / reading.speed) / TURN_TIME,
-            ],
-            axis=1,
-        )
-        return actions_for(np.where(self.captured, 0.0, rates), reading, self.scene).astype(np.float32)
-
-
-LAWS: dict[str, type] = {BASELINE: LectureLaw}
+LAWS: dict[str, type] = {
+    BASELINE: LectureLaw,
+    "proportional-integral": ProportionalIntegral,
+    "linear-quadratic": LinearQuadratic,
+    "square-root": SquareRoot,
+    "total-energy": TotalEnergy,
+}

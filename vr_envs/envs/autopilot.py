@@ -4,43 +4,72 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from typing import Any
 
 import numpy as np
 
-from vr_envs.envs.autopilot_demands import START_DRAWS, Demands, DemandState, change_demands, move_demands
-from vr_envs.envs.autopilot_observation import BAND, channels, error, observe
-from vr_envs.envs.autopilot_plan import Plan
-from vr_envs.envs.autopilot_sensing import Sensing
+from vr_envs.envs.autopilot_demands import NEVER, START_DRAWS, Demands, change_demands, change_is_due, demands_at
+from vr_envs.envs.autopilot_legs import LegState, begin_leg, finish_leg, watch_leg
+from vr_envs.envs.autopilot_metrics import metrics
+from vr_envs.envs.autopilot_observation import BAND, channels, errors, observe
+from vr_envs.envs.autopilot_plan import Plan, check_plan, fly_leg
+from vr_envs.envs.autopilot_sensing import MEASURED, RING, Sensing, remember
 from vr_envs.envs.batch import BatchEnv
 from vr_envs.envs.scalar import ScalarEnv
 from vr_envs.envs.scene import Scene
 from vr_envs.envs.task import Channel, Task
 from vr_envs.models import autopilot as model
-from vr_envs.models.atmosphere import airspeed_of_mach, highest_airspeed, true_airspeed
-from vr_envs.models.autopilot import left_envelope
+from vr_envs.models.atmosphere import airspeed, airspeed_of_mach, highest_airspeed, true_airspeed
+from vr_envs.models.autopilot import commanded_rates, left_envelope, wrap
 from vr_envs.models.autopilot_options import OPTIONS
 from vr_envs.models.jit import kernel
+from vr_envs.models.load_factor import lateral_load_factor, normal_load_factor
 from vr_envs.models.noise import uniform
-from vr_envs.models.record import quantity
+from vr_envs.models.record import dtype_of, quantity
 from vr_envs.models.turbulence import start_gusts
 
 # mean command change per interval at which, and share of the score that, restless commands cost
 RESTLESS = 0.5
 RESTLESS_COST = 0.1
-SUCCESS_IN_BAND = 0.5
+SATURATED = 0.999  # of the limit
 THIRD = 1.0 / 3.0  # a kernel multiplies: division by a constant is several times slower
 
 
 @dataclasses.dataclass(frozen=True)
-class State(DemandState):
+class State(LegState):
     """The whole episode: aircraft, demands, the last two actions, and the sums from which metrics follow."""
 
     action: float = quantity(0.0, "", "last action", shape=(3,))
     earlier_action: float = quantity(0.0, "", "the action before", shape=(3,))
     error_sum: float = quantity(0.0, "m, m/s, rad", "sum of |error| over the steps", shape=(3,))
     movement_sum: float = quantity(0.0, "", "sum of the mean command change")
+    saturated: int = quantity(
+        0, "", "commands at their limits, or accelerations that gave way to the shared power", low=0
+    )
+    lateral_peak: float = quantity(0.0, "", "largest lateral load factor, either way", low=0.0)
+    normal_peak: float = quantity(0.0, "", "largest normal load factor, in the mean over an interval", low=0.0)
     in_band: int = quantity(0, "", "steps with all three errors within the band", low=0)
     lost: bool = quantity(False, "", "the aircraft has left the envelope")
+    past: float = quantity(0.0, "m, m/s, rad, ...", "past values for late instruments", shape=(RING, MEASURED))
+
+
+@kernel
+def _errors(state, atmosphere):  # type: ignore[no-untyped-def]
+    return errors(state.demand, state.altitude, airspeed(state.altitude, state.speed, atmosphere), state.heading)
+
+
+@kernel
+def _change_leg(state, params, envelope, atmosphere, demands, plan):  # type: ignore[no-untyped-def]
+    """Begin the next leg of the programme, or one without an end where there is none."""
+    old_altitude, old_speed, old_heading = state.demand[0], state.demand[1], state.demand[2]
+    if demands is not None:
+        change_demands(state, params, envelope, atmosphere, demands)
+    elif plan is not None:
+        fly_leg(state, params, plan)
+    else:
+        state.next_change = NEVER
+    jumps = errors(state.demand, old_altitude, old_speed, old_heading)
+    begin_leg(state, params, _errors(state, atmosphere), jumps)
 
 
 @kernel
@@ -48,21 +77,25 @@ def start(
     state, params, envelope, energy, lags, atmosphere, wind, shear, turbulence, track, textbook, demands, plan,
     sensing,
 ):  # type: ignore[no-untyped-def]  # fmt: skip
-    """Level flight somewhere in the operating range, at the demands or at once with new ones."""
-    state.altitude = params.altitude_low + (params.altitude_high - params.altitude_low) * uniform(
-        state.key, START_DRAWS
-    )
-    highest = highest_airspeed(state.altitude, params, atmosphere)
-    measured = params.speed_low + (highest - params.speed_low) * uniform(state.key, START_DRAWS + 1)
-    state.speed = true_airspeed(state.altitude, measured, atmosphere)
-    state.heading = math.pi * (2.0 * uniform(state.key, START_DRAWS + 2) - 1.0)
-    state.demand[0], state.demand[1], state.demand[2] = state.altitude, measured, state.heading
+    """Level flight on the first waypoint or anywhere in the operating range; the first leg begins at once."""
+    if plan is None:
+        state.altitude = params.altitude_low + (params.altitude_high - params.altitude_low) * uniform(
+            state.key, START_DRAWS
+        )
+        highest = highest_airspeed(state.altitude, params, atmosphere)
+        state.demand[1] = params.speed_low + (highest - params.speed_low) * uniform(state.key, START_DRAWS + 1)
+        state.heading = math.pi * (2.0 * uniform(state.key, START_DRAWS + 2) - 1.0)
+    else:
+        state.altitude, state.demand[1], state.heading = plan.altitude[0], plan.airspeed[0], wrap(plan.heading[0])
+    state.speed = true_airspeed(state.altitude, state.demand[1], atmosphere)
+    state.demand[0], state.demand[2] = state.altitude, state.heading
     if turbulence is not None:
         start_gusts(state, START_DRAWS // 2 + 2, turbulence, track)
     if track is not None:
         state.x, state.z = track.x, track.z
-    if demands is not None:
-        change_demands(state, params, envelope, demands)
+    _change_leg(state, params, envelope, atmosphere, demands, plan)
+    if sensing is not None:
+        remember(state, atmosphere)
 
 
 @kernel
@@ -71,9 +104,21 @@ def advance(
     demands, plan, sensing,
 ):  # type: ignore[no-untyped-def]  # fmt: skip
     """Aircraft and ramping demands over one control interval."""
+    before = state.vertical_speed
     model.advance(state, action, params, envelope, energy, lags, atmosphere, wind, shear, turbulence, track, textbook)
-    if demands is not None:
-        move_demands(state, params)
+    turn, speed, pull = state.turn_rate, state.speed, (state.vertical_speed - before) / params.dt
+    state.lateral_peak = max(state.lateral_peak, abs(lateral_load_factor(turn, speed)))
+    state.normal_peak = max(state.normal_peak, normal_load_factor(turn, speed, pull))
+    if demands is not None or plan is not None:
+        demands_at(state, (state.steps + 1) * params.dt)
+
+
+@kernel
+def _gives_way(state, action, params, envelope, energy):  # type: ignore[no-untyped-def]
+    """Whether the commanded acceleration is changed by the shared power."""
+    _, given, _, _ = commanded_rates(state, action, params, envelope, energy)
+    _, asked, _, _ = commanded_rates(state, action, params, envelope, None)
+    return given != asked
 
 
 @kernel
@@ -83,47 +128,35 @@ def outcome(
 ):  # type: ignore[no-untyped-def]  # fmt: skip
     """Score the interval that has ended; then, when due, change the demands."""
     closeness, movement, inside = 0.0, 0.0, True
+    away = _errors(state, atmosphere)
     for channel in range(3):
-        away = abs(error(state, channel))
-        state.error_sum[channel] += away
-        closeness += BAND[channel] / (BAND[channel] + away)
-        inside = inside and away <= BAND[channel]
-        movement += abs(action[channel] - state.action[channel])
+        size, command = abs(away[channel]), action[channel]
+        state.error_sum[channel] += size
+        closeness += BAND[channel] / (BAND[channel] + size)
+        inside = inside and size <= BAND[channel]
+        movement += abs(command - state.action[channel])
+        limited = abs(command) >= SATURATED
+        if energy is not None:  # noqa: SIM102 (numba prunes a bare test of None)
+            if channel == 1:
+                limited = limited or _gives_way(state, action, params, envelope, energy)
+        state.saturated += limited
         state.earlier_action[channel] = state.action[channel]
-        state.action[channel] = action[channel]
+        state.action[channel] = command
     movement *= THIRD
     state.movement_sum += movement
     state.in_band += inside
+    watch_leg(state, params, away, inside)
     state.lost = left_envelope(state, params, atmosphere)
     reward = 0.0
     if not state.lost:
         reward = THIRD * closeness * (1.0 - min(RESTLESS_COST / RESTLESS * movement, RESTLESS_COST))
-    if demands is not None:  # noqa: SIM102 (numba prunes a bare test of None)
-        if state.steps >= state.next_change:
-            change_demands(state, params, envelope, demands)
+    if demands is not None or plan is not None:  # noqa: SIM102 (numba prunes a bare test of None)
+        if change_is_due(state, params) and not state.lost:
+            finish_leg(state, params)
+            _change_leg(state, params, envelope, atmosphere, demands, plan)
+    if sensing is not None:
+        remember(state, atmosphere)
     return reward, state.lost
-
-
-def metrics(states: np.ndarray, scene: Scene) -> dict[str, np.ndarray]:
-    """Domain metrics of episodes, one value per record.
-
-    altitude_error_m, airspeed_error_m_s, heading_error_deg: mean absolute errors;
-    time_in_band: share of the time with all three errors within 15 m, 1 m/s and 0.5 deg; movement: mean change
-    of the commands per interval; left_envelope; is_success: never left the envelope and at least half of the
-    time in band.
-    """
-    steps = np.maximum(states["steps"], 1)
-    mean_error = states["error_sum"] / steps[:, None]
-    time_in_band = states["in_band"] / steps
-    return {
-        "is_success": (states["lost"] == 0) & (time_in_band >= SUCCESS_IN_BAND),
-        "altitude_error_m": mean_error[:, 0],
-        "airspeed_error_m_s": mean_error[:, 1],
-        "heading_error_deg": np.degrees(mean_error[:, 2]),
-        "time_in_band": time_in_band,
-        "movement": states["movement_sum"] / steps,
-        "left_envelope": states["lost"] != 0,
-    }
 
 
 def action_channels(scene: Scene) -> tuple[Channel, ...]:
@@ -139,7 +172,7 @@ def action_channels(scene: Scene) -> tuple[Channel, ...]:
 
 
 def validate(scene: Scene) -> None:
-    """The ranges must be ordered and the operating range must lie inside the envelope."""
+    """The ranges must be ordered, the operating range inside the envelope, and a plan possible."""
     p, demands = scene.params, scene.options["demands"]
     orders = [
         ("altitude_low", p.altitude_low, "altitude_high", p.altitude_high, False),
@@ -154,6 +187,7 @@ def validate(scene: Scene) -> None:
         orders += [("speed_low", p.speed_low, "the airspeed of atmosphere.mach_high at altitude_high", top, True)]
     if demands is not None:
         orders += [
+            ("dt", p.dt, "demands.hold_low", demands.hold_low, False),
             ("demands.hold_low", demands.hold_low, "demands.hold_high", demands.hold_high, False),
             ("demands.share_low", demands.share_low, "demands.share_high", demands.share_high, False),
         ]
@@ -161,11 +195,44 @@ def validate(scene: Scene) -> None:
         if low > high or (strict and low == high):
             rule = "be below" if strict else "not exceed"
             raise ValueError(f"{low_name} = {low:g} is not allowed; it must {rule} {high_name} = {high:g}")
+    if scene.options["plan"] is not None:
+        _check_waypoints(scene)
+
+
+def _check_waypoints(scene: Scene) -> None:
+    """Every waypoint must lie inside the envelope."""
+    plan, (params, options) = scene.options["plan"], scene.records()
+    atmosphere = options[list(scene.options).index("atmosphere")]
+    check_plan(plan)
+    aircraft = np.zeros(1, dtype_of(model.State))[0]
+    for i, (altitude, speed) in enumerate(zip(plan.altitude, plan.airspeed, strict=True)):
+        aircraft["altitude"], aircraft["speed"] = altitude, true_airspeed(altitude, speed, atmosphere)
+        if left_envelope(aircraft, params, atmosphere):
+            raise ValueError(
+                f"waypoint {i} of the plan, {altitude:g} m at {speed:g} m/s, is not allowed; it must be above the "
+                f"ground, below the ceiling ({params['ceiling']:g} m), between stall_speed "
+                f"({params['stall_speed']:g} m/s) and top_speed ({params['top_speed']:g} m/s), and below the Mach "
+                "number where the aircraft breaks up"
+            )
 
 
 def _control_interval(scene: Scene) -> float:
     return scene.params.dt
 
+
+# equivalent airspeeds
+AIRLINER: dict[str, Any] = {
+    "speed_low": 75.0,
+    "speed_high": 160.0,
+    "stall_speed": 60.0,
+    "top_speed": 185.0,
+    "envelope": True,
+    "energy": True,
+    "lags": True,
+    "atmosphere": True,
+    "turbulence": True,
+    "demands": True,
+}
 
 TASK = Task(
     name="autopilot",
@@ -173,11 +240,19 @@ TASK = Task(
     options={**OPTIONS, "demands": Demands, "plan": Plan, "sensing": Sensing},
     state=State,
     scenes={
-        "airliner": {"envelope": True, "energy": True, "lags": True, "turbulence": True, "demands": True},
+        "airliner": AIRLINER,
+        "airliner-rough": {
+            **AIRLINER,
+            "turbulence": {"wind_20ft": 5.0, "sigma": 1.0},
+            "wind": True,
+            "shear": True,
+            "track": True,
+            "sensing": True,
+        },
         "lecture": {"track": True, "demands": True},
     },
     default_scene="airliner",
-    # scale of MIL-F-8785C: light turbulence is about 1.5 m/s, moderate 3 m/s
+    # light and moderate turbulence of MIL-F-8785C
     levels={
         "nominal": {},
         "light": {"turbulence": {"wind_20ft": 7.7, "sigma": 1.5}},
@@ -193,6 +268,7 @@ TASK = Task(
     dt=_control_interval,
     validate=validate,
     engines={"textbook": OPTIONS["textbook"]},
+    rivals=(("demands", "plan"),),
 )
 
 

@@ -1,17 +1,20 @@
 """What the autopilot is asked for: demanded altitude, airspeed and heading, constant, stepping or ramping.
 
-Schedule and sizes are drawn from the episode's key alone, so every policy meets the same demands. A demand
-changes by a share of what the aircraft, at the demanded altitude and speed, can reach until the next change.
+The demands are functions of time, piecewise constant or linear; between two changes lies a leg. They are sampled at
+the control instants, whatever the control interval: a change shows at the first instant at or after it. Random ones are
+drawn from the episode's key alone, so every policy meets the same demands. A demand changes by a share of what the
+aircraft, at the demanded altitude and speed, can reach until the next change. Airspeeds are as measured.
 """
 
 from __future__ import annotations
 
 import dataclasses
-
-import numpy as np
+import math
 
 from vr_envs.models import autopilot as model
+from vr_envs.models.atmosphere import airspeed, highest_airspeed, true_airspeed
 from vr_envs.models.autopilot import rate_limits, wrap
+from vr_envs.models.clock import SAME
 from vr_envs.models.jit import kernel
 from vr_envs.models.noise import uniform
 from vr_envs.models.record import quantity
@@ -21,6 +24,7 @@ START_DRAWS = 1 << 40
 DEMAND_DRAWS = 1 << 41
 _PER_CHANGE = 16
 _HEADING = 2
+NEVER = 1e12  # s: the leg has no end
 
 
 @dataclasses.dataclass(frozen=True)
@@ -41,19 +45,25 @@ class DemandState(model.State):
 
     demand: float = quantity(0.0, "m, m/s, rad", "present demands", shape=(3,))
     demand_rate: float = quantity(0.0, "m/s, m/s^2, rad/s", "their rates of change", shape=(3,))
-    demand_target: float = quantity(0.0, "m, m/s, rad", "demands at the end of a ramp", shape=(3,))
-    changes: int = quantity(0, "", "number of demand changes so far")
-    next_change: int = quantity(0, "", "step at which the demands change next")
+    demand_target: float = quantity(0.0, "m, m/s, rad", "demands at the end of the leg", shape=(3,))
+    changes: int = quantity(0, "", "number of legs begun so far", low=0)
+    next_change: float = quantity(0.0, "s", "time of the next change, 1e12: never", low=0.0, high=NEVER)
 
 
 @kernel
-def move_demands(state, params):  # type: ignore[no-untyped-def]
-    """Bring ramping demands to the end of the present control interval, number `state.steps` from 0."""
-    left = (state.next_change - state.steps - 1) * params.dt
+def demands_at(state, time):  # type: ignore[no-untyped-def]
+    """Bring the demands of the present leg to the time [s] since the start; at its end they stay."""
+    left = max(0.0, state.next_change - time)
     for channel in range(3):
         if state.demand_rate[channel] != 0.0:
             state.demand[channel] = state.demand_target[channel] - state.demand_rate[channel] * left
     state.demand[_HEADING] = wrap(state.demand[_HEADING])
+
+
+@kernel
+def change_is_due(state, params):  # type: ignore[no-untyped-def]
+    """Whether the demands change at the present control instant."""
+    return state.steps * params.dt > state.next_change - SAME
 
 
 @kernel
@@ -66,31 +76,41 @@ def _next_target(demand, down, up, low, high, share, toss):  # type: ignore[no-u
 
 
 @kernel
-def change_demands(state, params, envelope, demands):  # type: ignore[no-untyped-def]
-    """Draw new demands and the step of the next change."""
+def change_demands(state, params, envelope, atmosphere, demands):  # type: ignore[no-untyped-def]
+    """Draw the next leg: demands, whether they ramp, and its end.
+
+    Airspeeds can be flown at the demanded altitudes: below the upper end of their operating range at both ends of the
+    leg, to which a demand is lowered that would be above it.
+    """
     base = DEMAND_DRAWS + _PER_CHANGE * state.changes
     hold = demands.hold_low + (demands.hold_high - demands.hold_low) * uniform(state.key, base)
-    steps = max(1, round(hold / params.dt))
-    hold = steps * params.dt
     state.changes += 1
-    state.next_change = state.steps + steps
-    falling, rising = rate_limits(state.demand[0], state.demand[1], params, envelope)
-    lows = (params.altitude_low, params.speed_low, -np.inf)
-    highs = (params.altitude_high, params.speed_high, np.inf)
+    state.next_change += hold
+    altitude = state.demand[0]
+    falling, rising = rate_limits(altitude, true_airspeed(altitude, state.demand[1], atmosphere), params, envelope)
+    share_of_true = airspeed(altitude, 1.0, atmosphere)
+    units = (1.0, share_of_true, 1.0)
+    lows = (params.altitude_low, params.speed_low, -math.inf)
+    high = highest_airspeed(altitude, params, atmosphere)
     for channel in range(3):
         draw = base + 1 + 4 * channel
         demand = state.demand[channel]
+        limit = params.altitude_high if channel == 0 else (high if channel == 1 else math.inf)
         target = demand
         if uniform(state.key, draw) < demands.change:
             share = demands.share_low + (demands.share_high - demands.share_low) * uniform(state.key, draw + 1)
             toss = uniform(state.key, draw + 2)
+            reach = hold * units[channel]
             target = _next_target(
-                demand, falling[channel] * hold, rising[channel] * hold, lows[channel], highs[channel], share, toss
+                demand, falling[channel] * reach, rising[channel] * reach, lows[channel], limit, share, toss
             )
+        target = min(target, limit)
+        if channel == 0:
+            high = min(high, highest_airspeed(target, params, atmosphere))
         state.demand_target[channel] = target
         if uniform(state.key, draw + 3) < demands.ramp:
             state.demand_rate[channel] = (target - demand) / hold
         else:
             state.demand_rate[channel] = 0.0
             state.demand[channel] = target
-    state.demand[_HEADING] = wrap(state.demand[_HEADING])
+    demands_at(state, state.steps * params.dt)

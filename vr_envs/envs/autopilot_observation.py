@@ -7,8 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from vr_envs.envs.autopilot_sensing import measure
 from vr_envs.envs.scene import Scene
 from vr_envs.envs.task import Channel
+from vr_envs.models.atmosphere import airspeed_rate, true_airspeed
 from vr_envs.models.autopilot import rate_limits, wrap
 from vr_envs.models.jit import kernel
 
@@ -31,20 +33,17 @@ class Reading(NamedTuple):
     error: np.ndarray  # demand - value, (n, 3)
     rate: np.ndarray  # vertical speed, acceleration, turn rate, (n, 3)
     demand_rate: np.ndarray  # (n, 3)
-    speed: np.ndarray  # (n,)
+    speed: np.ndarray  # airspeed as measured, (n,)
     altitude: np.ndarray  # (n,)
+    true_speed: np.ndarray  # true airspeed, (n,)
     action: np.ndarray  # last action, (n, 3)
     earlier_action: np.ndarray  # the one before, (n, 3)
 
 
 @kernel
-def error(state, channel):  # type: ignore[no-untyped-def]
-    """Demand minus value of a channel; the heading's the short way round."""
-    if channel == 0:
-        return state.demand[0] - state.altitude
-    if channel == 1:
-        return state.demand[1] - state.speed
-    return wrap(state.demand[2] - state.heading)
+def errors(demand, altitude, speed, heading):  # type: ignore[no-untyped-def]
+    """Demands (3) minus values, the airspeed as measured; the heading's the short way round."""
+    return demand[0] - altitude, demand[1] - speed, wrap(demand[2] - heading)
 
 
 @kernel
@@ -63,7 +62,7 @@ def observe(
     plan, sensing,
 ):  # type: ignore[no-untyped-def]  # fmt: skip
     """Write the observation of a record into `row` (float32, 23 channels of `channels`)."""
-    rates = (state.vertical_speed, state.acceleration, state.turn_rate)
+    altitude, speed, heading, climb, acceleration, turn = measure(state, atmosphere, sensing)
     per_limit = (
         1.0 / max(params.climb, params.descent),
         1.0 / max(params.acceleration, params.deceleration),
@@ -72,18 +71,21 @@ def observe(
     delays = (0.0, 0.0, 0.0)
     if lags is not None:
         delays = (lags.vertical, lags.along, lags.turn)
+    away = errors(state.demand, altitude, speed, heading)
+    rates = (climb, acceleration, turn)
+    changes = (climb, airspeed_rate(altitude, speed, climb, acceleration, atmosphere), turn)
     for channel in range(3):
-        away = error(state, channel)
-        lead = away - delays[channel] * (rates[channel] - state.demand_rate[channel])
-        _put(row, channel, _signed_log(away, channel))
-        _put(row, 3 + channel, away / (BAND[channel] + abs(away)))
+        error = away[channel]
+        lead = error - delays[channel] * (changes[channel] - state.demand_rate[channel])
+        _put(row, channel, _signed_log(error, channel))
+        _put(row, 3 + channel, error / (BAND[channel] + abs(error)))
         _put(row, 6 + channel, lead / (BAND[channel] + abs(lead)))
         _put(row, 9 + channel, rates[channel] * per_limit[channel])
         _put(row, 12 + channel, state.demand_rate[channel] * per_limit[channel])
         _put(row, 17 + channel, state.action[channel])
         _put(row, 20 + channel, state.earlier_action[channel])
-    _put(row, 15, 2.0 * (state.speed - params.stall_speed) / (params.top_speed - params.stall_speed) - 1.0)
-    _put(row, 16, 2.0 * state.altitude / params.ceiling - 1.0)
+    _put(row, 15, 2.0 * (speed - params.stall_speed) / (params.top_speed - params.stall_speed) - 1.0)
+    _put(row, 16, 2.0 * altitude / params.ceiling - 1.0)
 
 
 def read(observations: np.ndarray, scene: Scene) -> Reading:
@@ -92,18 +94,33 @@ def read(observations: np.ndarray, scene: Scene) -> Reading:
     p = scene.params
     scales = np.array([max(p.climb, p.descent), max(p.acceleration, p.deceleration), p.turn])
 
-    def errors(encoded: np.ndarray) -> np.ndarray:
+    def errors_of(encoded: np.ndarray) -> np.ndarray:
         return np.sign(encoded) * np.array(BAND) * np.expm1(np.abs(encoded) * np.array(_LOG_SPAN))
 
+    speed = p.stall_speed + 0.5 * (row[:, 15] + 1.0) * (p.top_speed - p.stall_speed)
+    altitude = 0.5 * (row[:, 16] + 1.0) * p.ceiling
     return Reading(
-        error=errors(row[:, 0:3]),
+        error=errors_of(row[:, 0:3]),
         rate=row[:, 9:12] * scales,
         demand_rate=row[:, 12:15] * scales,
-        speed=p.stall_speed + 0.5 * (row[:, 15] + 1.0) * (p.top_speed - p.stall_speed),
-        altitude=0.5 * (row[:, 16] + 1.0) * p.ceiling,
+        speed=speed,
+        altitude=altitude,
+        true_speed=_true_airspeeds(altitude, speed, _record(scene, "atmosphere")),
         action=row[:, 17:20],
         earlier_action=row[:, 20:23],
     )
+
+
+def _record(scene: Scene, option: str) -> np.void | None:
+    return scene.records()[1][list(scene.options).index(option)]
+
+
+@kernel
+def _true_airspeeds(altitudes, speeds, atmosphere):  # type: ignore[no-untyped-def]
+    found = np.empty_like(speeds)
+    for i in range(speeds.shape[0]):
+        found[i] = true_airspeed(altitudes[i], speeds[i], atmosphere)
+    return found
 
 
 @kernel
@@ -116,18 +133,20 @@ def _limits_of_rows(altitudes, speeds, params, envelope, falling, rising):  # ty
 
 def limits(reading: Reading, scene: Scene) -> tuple[np.ndarray, np.ndarray]:
     """Largest falling and rising rates (n, 3), all positive, at the altitudes and airspeeds of a reading."""
-    params, options = scene.records()
-    envelope = options[list(scene.options).index("envelope")]
     falling, rising = np.empty_like(reading.rate), np.empty_like(reading.rate)
-    _limits_of_rows(reading.altitude, reading.speed, params, envelope, falling, rising)
+    envelope = _record(scene, "envelope")
+    _limits_of_rows(reading.altitude, reading.true_speed, scene.records()[0], envelope, falling, rising)
     return falling, rising
 
 
-def actions_for(rates: np.ndarray, reading: Reading, scene: Scene) -> np.ndarray:
-    """Actions (n, 3) that command vertical speeds, accelerations and turn rates (n, 3), clipped to [-1, 1]."""
-    falling, rising = limits(reading, scene)
+def actions_for(rates: np.ndarray, falling: np.ndarray, rising: np.ndarray) -> np.ndarray:
+    """Actions (n, 3), float32, that command vertical speeds, accelerations and turn rates (n, 3), clipped to [-1, 1].
+
+    `falling`, `rising`: their limits (n, 3), from `limits`.
+    """
     limit = np.where(rates > 0.0, rising, falling)
-    return np.clip(np.divide(rates, limit, out=np.zeros_like(rates), where=limit > 0.0), -1.0, 1.0)
+    shares = np.divide(rates, limit, out=np.zeros_like(rates), where=limit > 0.0)
+    return np.clip(shares, -1.0, 1.0).astype(np.float32)
 
 
 def channels(scene: Scene) -> tuple[Channel, ...]:
@@ -147,7 +166,7 @@ def channels(scene: Scene) -> tuple[Channel, ...]:
         *(Channel(n, u, f"in units of {s:.4g} {u}") for n, u, s in rates),
         *(Channel(f"rate of demanded {n}", u, f"in units of {s:.4g} {u}")
           for n, (_, u, s) in zip(_NAMES, rates, strict=True)),
-        Channel("airspeed", "m/s", f"from {p.stall_speed:g} at -1 to {p.top_speed:g} at 1"),
+        Channel("airspeed, as measured", "m/s", f"from {p.stall_speed:g} at -1 to {p.top_speed:g} at 1"),
         Channel("altitude", "m", f"from 0 at -1 to {p.ceiling:g} at 1"),
         *(Channel(f"last {n}", "1", "fraction of the limit") for n in last),
         *(Channel(f"earlier {n}", "1", "fraction of the limit, one control interval before the last") for n in last),

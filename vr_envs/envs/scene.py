@@ -84,6 +84,11 @@ def _merge(task: Task, merged: dict[str, Any], overrides: Mapping[str, Any], whe
         else:
             file = ", the path of a file" if hasattr(task.additions[key], "read") else ""
             raise ValueError(f"{where}: option {key!r} = {value!r}; give null, true{file} or a dict of its fields")
+    for group in task.rivals:
+        given = [name for name in group if overrides.get(name) not in (None, False)]
+        if len(given) > 1:
+            raise ValueError(f"{' and '.join(given)} exclude each other; give one and set the other to null")
+        merged.update(dict.fromkeys(set(group) - set(given)) if given else {})
 
 
 def _choose(kind: str, given: str | None, names: tuple[str, ...], merged: dict[str, Any], task: Task) -> str:

@@ -38,7 +38,8 @@ class Task:
     `engines` are the ways of moving a state other than the exact one, name -> record of settings. One that is also
     an option of the kernels is theirs; another stands in place of `advance`, in `vr_envs.<engine>.<task name>`. A
     record that has the class attribute `OPTIONS` names there the options that the engine knows. `sensors` are the
-    options by which the state is observed otherwise than as it is; they exclude each other.
+    options by which the state is observed otherwise than as it is; they exclude each other. So do the options of each
+    group in `rivals`: one that is laid over a preset takes the place of that in the preset.
     """
 
     name: str
@@ -59,6 +60,7 @@ class Task:
     validate: Callable[[Scene], None] = _accept
     engines: dict[str, type] = dataclasses.field(default_factory=dict)
     sensors: tuple[str, ...] = ()
+    rivals: tuple[tuple[str, ...], ...] = ()
 
     @property
     def engine_names(self) -> tuple[str, ...]:

@@ -23,6 +23,7 @@ _TOP_TEMPERATURE = SEA_LEVEL_TEMPERATURE - LAPSE * TROPOPAUSE
 _TOP_PRESSURE = SEA_LEVEL_PRESSURE * (_TOP_TEMPERATURE / SEA_LEVEL_TEMPERATURE) ** _EXPONENT
 _PER_HEIGHT = G / (GAS_CONSTANT * _TOP_TEMPERATURE)  # 1/m: decay of pressure and density above the tropopause
 SEA_LEVEL_DENSITY = SEA_LEVEL_PRESSURE / (GAS_CONSTANT * SEA_LEVEL_TEMPERATURE)  # kg/m^3
+_SHARE_LAPSE = 0.5 * (_EXPONENT - 1.0) * LAPSE  # K/m: times 1 / T the decay of `equivalent_share`
 _TOP_ROOT = math.sqrt(_TOP_PRESSURE / (GAS_CONSTANT * _TOP_TEMPERATURE) / SEA_LEVEL_DENSITY)
 
 
@@ -77,6 +78,18 @@ def true_airspeed(altitude, measured, atmosphere):  # type: ignore[no-untyped-de
     if atmosphere is None:
         return measured
     return measured / equivalent_share(altitude)
+
+
+@kernel
+def airspeed_rate(altitude, measured, climb, acceleration, atmosphere):  # type: ignore[no-untyped-def]
+    """Rate of change [m/s^2] of an airspeed as measured, in still air, at a climb rate and true acceleration.
+
+    Thinner air takes from the equivalent airspeed of a climbing aircraft: (v s)' = v' s + v s (ln s)' h'.
+    """
+    if atmosphere is None:
+        return acceleration
+    decay = 0.5 * _PER_HEIGHT if altitude > TROPOPAUSE else _SHARE_LAPSE / temperature(altitude)
+    return acceleration * equivalent_share(altitude) - decay * climb * measured
 
 
 @kernel

@@ -117,11 +117,13 @@ def rate_limits(altitude, speed, params, envelope):  # type: ignore[no-untyped-d
 
 
 @kernel
-def renew_limits(state, params, envelope):  # type: ignore[no-untyped-def]
+def renew_limits(state, params, envelope, energy):  # type: ignore[no-untyped-def]
     """Take the limits of where the aircraft is now."""
-    state.climb_limit = climb_limit(state.altitude, params, envelope)
-    state.turn_limit = turn_limit(state.speed, params, envelope)
-    state.weight_per_speed = G / max(state.speed, SLOWEST)
+    if envelope is not None:
+        state.climb_limit = climb_limit(state.altitude, params, envelope)
+        state.turn_limit = turn_limit(state.speed, params, envelope)
+    if energy is not None:
+        state.weight_per_speed = G / max(state.speed, SLOWEST)
     state.sheared = state.speed > 0.0
     state.time_to_refresh = params.refresh
 
@@ -203,8 +205,8 @@ def fly(state, vertical_speed, acceleration, turn_rate, turn_slew, duration, lag
 
 
 @kernel
-def _hold(state, action, params, duration, envelope, energy, lags, wind, shear, track, textbook):  # type: ignore[no-untyped-def]
-    """Fly for `duration` [s] as commanded, with the limits as they are."""
+def commanded_rates(state, action, params, envelope, energy):  # type: ignore[no-untyped-def]
+    """Vertical speed, acceleration and turn rate that an action asks for, and the largest turn rate, as limited now."""
     climb, turn = params.climb, params.turn
     if envelope is not None:
         climb, turn = state.climb_limit, state.turn_limit
@@ -214,13 +216,20 @@ def _hold(state, action, params, duration, envelope, energy, lags, wind, shear, 
         acceleration = min(acceleration, state.weight_per_speed * (climb - vertical_speed))
         idle = state.weight_per_speed * (-energy.idle_sink - vertical_speed)
         acceleration = max(acceleration, min(params.acceleration, idle))
+    return vertical_speed, acceleration, action[2] * turn, turn
+
+
+@kernel
+def _hold(state, action, params, duration, envelope, energy, lags, wind, shear, track, textbook):  # type: ignore[no-untyped-def]
+    """Fly for `duration` [s] as commanded, with the limits as they are."""
+    vertical_speed, acceleration, turn_rate, turn = commanded_rates(state, action, params, envelope, energy)
     if textbook is None:
         slew = 0.0
         if lags is not None:
             slew = turn / lags.roll_in
-        fly(state, vertical_speed, acceleration, action[2] * turn, slew, duration, lags, wind, shear, track)
+        fly(state, vertical_speed, acceleration, turn_rate, slew, duration, lags, wind, shear, track)
     else:
-        fly_in_steps(state, vertical_speed, acceleration, action[2] * turn, duration, track, textbook)
+        fly_in_steps(state, vertical_speed, acceleration, turn_rate, duration, track, textbook)
         state.heading = wrap(state.heading)
 
 
@@ -236,7 +245,7 @@ def advance(state, action, params, envelope, energy, lags, atmosphere, wind, she
         piece = left
         if _renewing(envelope, energy, shear):
             if state.time_to_refresh <= 0.0:
-                renew_limits(state, params, envelope)
+                renew_limits(state, params, envelope, energy)
             piece = piece_of(left, state.time_to_refresh)
             # renewed when flown on, so that what a gust does at the end of an interval counts
             state.time_to_refresh, _ = to_next_tick(state.time_to_refresh, piece, 0.0)

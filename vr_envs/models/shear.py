@@ -26,7 +26,7 @@ from vr_envs.models.wind import drift
 
 _NODES = 5
 # panels per decay or radian; the error of a panel is below rounding for the fastest motions that options allow
-_PANELS = 2.0
+_PANELS = 3.0
 
 
 def _collocation() -> tuple[tuple[float, ...], tuple[float, ...], tuple[tuple[float, ...], ...]]:
@@ -128,15 +128,17 @@ def uniform_track_in_shear(state, duration, shear):  # type: ignore[no-untyped-d
 
 
 @kernel
-def _instant(state, commands, time, lags, shear):  # type: ignore[no-untyped-def]
-    """Change of the airspeed by the shear, sine and cosine of the heading, airspeed and height gained at a time."""
+def _instant(state, commands, time, lags, growth):  # type: ignore[no-untyped-def]
+    """Change of the airspeed by the shear, sine and cosine of the heading, airspeed and height gained at a time.
+
+    `growth`: the head wind's growth with altitude, per sine and per cosine of the heading [1/s].
+    """
     vertical_speed, acceleration, turn_rate, turn_slew = commands
     climb, rise = clamped_lag(state.vertical_speed, vertical_speed, lags.vertical, lags.vertical_slew, time)
     _, gain = clamped_lag(state.acceleration, acceleration, lags.along, lags.jerk, time)
     _, turned = clamped_lag(state.turn_rate, turn_rate, lags.turn, turn_slew, time)
     sine, cosine = math.sin(state.heading + turned), math.cos(state.heading + turned)
-    along = sine * math.sin(shear.origin) + cosine * math.cos(shear.origin)
-    return state.sheared * shear.gradient * climb * along, sine, cosine, gain, rise
+    return climb * (sine * growth[0] + cosine * growth[1]), sine, cosine, gain, rise
 
 
 @kernel
@@ -152,6 +154,8 @@ def lagging_track_in_shear(state, vertical_speed, acceleration, turn_rate, turn_
     pace = _PANELS * max(fastest, abs(state.turn_rate), abs(turn_rate))
     ground_speed = state.speed - state.gust_along
     commands = (vertical_speed, acceleration, turn_rate, turn_slew)
+    gradient = state.sheared * shear.gradient
+    growth = (gradient * math.sin(shear.origin), gradient * math.cos(shear.origin))
     begin, gained, air = 0.0, 0.0, 0.0
     while begin < duration:
         corner = _next_corner(begin, duration, climbing, speeding, turning)
@@ -160,11 +164,11 @@ def lagging_track_in_shear(state, vertical_speed, acceleration, turn_rate, turn_
         for panel in range(panels):
             first = begin + length * panel
             instants = (
-                _instant(state, commands, first + length * _POINTS[0], lags, shear),
-                _instant(state, commands, first + length * _POINTS[1], lags, shear),
-                _instant(state, commands, first + length * _POINTS[2], lags, shear),
-                _instant(state, commands, first + length * _POINTS[3], lags, shear),
-                _instant(state, commands, first + length * _POINTS[4], lags, shear),
+                _instant(state, commands, first + length * _POINTS[0], lags, growth),
+                _instant(state, commands, first + length * _POINTS[1], lags, growth),
+                _instant(state, commands, first + length * _POINTS[2], lags, growth),
+                _instant(state, commands, first + length * _POINTS[3], lags, growth),
+                _instant(state, commands, first + length * _POINTS[4], lags, growth),
             )
             before = gained
             for instant, weight, row in zip(instants, _WEIGHTS, _MATRIX):  # noqa: B905 (numba knows no strict)

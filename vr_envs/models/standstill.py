@@ -11,11 +11,13 @@ import math
 
 from vr_envs.models.jit import kernel
 from vr_envs.models.lag import clamped_lag, ramp_time
-from vr_envs.models.root import MAX_MARCH, converged, free_step
+from vr_envs.models.root import converged, free_step
 from vr_envs.models.shear import shear_bounds, shear_gain, shear_rate
 
 NEVER = math.inf  # s, in place of a time
 _ITERATIONS = 100  # Newton needs about 6, at a grazing minimum, where it halves the distance, about 50
+# a march that long hovers at a fraction of 1e-6 m/s: a standstill for all that matters
+_MOST_STEPS = 100_000
 
 
 @kernel
@@ -87,7 +89,7 @@ def sheared_stop_time(state, vertical_speed, acceleration, turn_rate, turn_slew,
     if lags is not None:
         curvature += lags.jerk
     time, sheared = 0.0, 0.0
-    for _ in range(MAX_MARCH):
+    for _ in range(_MOST_STEPS):
         slope, gain = acceleration, acceleration * time
         if lags is not None:
             slope, gain = clamped_lag(state.acceleration, acceleration, lags.along, lags.jerk, time)

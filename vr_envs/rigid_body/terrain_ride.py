@@ -20,7 +20,7 @@ What the space is made of:
   presses it down as hard as the sharpest crest in the interval asks for.
 - With a tyre the wheel's mass is at the hub. The tyre is a spring from the hub to a patch that touches the ground,
   whose mass falls with the square of the step; a slide joint of the tyre's free length lifts the patch with the hub.
-- Chipmunk's ways with stacks of boxes are off: contacts and joints are put right within one step.
+- Penetration beyond the overlap is put right within one step (collision bias 0).
 
 The space is built anew from the record in every tick, so a step is a pure function of record and action.
 """
@@ -130,7 +130,6 @@ class Vehicle:
         body.velocity = 0.0, velocity
         body.position = 0.0, height - 0.5 * self.dt * velocity
         groove = GrooveJoint(self.space.static_body, body, (0.0, -FAR), (0.0, FAR), ORIGIN)
-        groove.error_bias = 0.0
         self.space.add(body, groove)
         return body
 
@@ -168,7 +167,6 @@ class Vehicle:
         self.wheel = self._body(rate * (TAME * self.dt) ** 2, low, falling)
         spring = DampedSpring(self.wheel, self.hub, ORIGIN, ORIGIN, self.free, rate, 0.0)
         reach = SlideJoint(self.wheel, self.hub, ORIGIN, ORIGIN, 0.0, self.free)
-        reach.error_bias = 0.0
         self.space.add(spring, reach)
 
     def _force(self, spring: DampedSpring, length: float) -> float:

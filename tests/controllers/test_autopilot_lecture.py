@@ -5,24 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from vr_envs.controllers.autopilot import BASELINE, LAWS, TURN_TIME, LectureLaw
+from tests.controllers.autopilot_world import world_at
+from vr_envs.controllers.autopilot import BASELINE, LAWS
+from vr_envs.controllers.autopilot_lecture import TURN_TIME, LectureLaw
 from vr_envs.envs.autopilot import TASK
 from vr_envs.envs.autopilot_observation import BAND
 from vr_envs.envs.scene import resolve
-from vr_envs.envs.world import World
-
-
-def world_at(errors, scene="lecture"):  # type: ignore[no-untyped-def]
-    """Rows in level flight at 5000 m and 150 m/s whose demands are `errors` (n, 3) away."""
-    errors = np.atleast_2d(errors)
-    n = len(errors)
-    world = World(TASK, scene, n)
-    observations = np.empty((n, 23), np.float32)
-    world.reset(np.arange(n), np.arange(n, dtype=np.uint64), observations)
-    world.states["altitude"], world.states["speed"], world.states["heading"] = 5000.0, 150.0, 0.0
-    world.states["demand"] = np.array([5000.0, 150.0, 0.0]) + errors
-    world.states["demand_rate"], world.states["next_change"] = 0.0, 10**6
-    return world
 
 
 def law_at(errors, **gains):  # type: ignore[no-untyped-def]
@@ -89,6 +77,15 @@ def test_it_brings_the_lectures_aircraft_into_the_band_and_altitude_as_its_time_
     # the sampled law closes in by 1 - k dt in every interval once it is not clamped
     tail = np.array(errors)[60:80, 0]
     np.testing.assert_allclose(tail[1:] / tail[:-1], 1.0 - 1.0 / 11.0, rtol=1e-3)
+
+
+@pytest.mark.parametrize(("error", "turn"), [(0.0, 0.0), (1e-6, 1.0), (-2.0, -1.0)])
+def test_it_is_defined_at_a_standstill(error, turn) -> None:
+    """The angle atan(v_x / v) is a right one there, which is more than the largest turn."""
+    world = world_at([0.0, 0.0, error], {"base": "lecture", "stall_speed": 0.0}, speed=0.0)
+    law = LectureLaw(world.scene, heading_threshold=0.0)
+    law.reset(1)
+    assert law(world.observe())[0, 2] == turn
 
 
 def test_it_works_in_the_default_scene() -> None:
