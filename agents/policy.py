@@ -50,6 +50,15 @@ def save_policy(network: ActorCriticPolicy, path: Path, facts: dict[str, Any]) -
     write_bytes(path, save(weights, {"format": FORMAT, "facts": json.dumps({**facts, "spaces": spaces})}))
 
 
+def _network(spaces: dict[str, Box], facts: dict[str, Any]) -> ActorCriticPolicy:
+    kwargs = policy_kwargs(tuple(facts["hidden"]), facts["activation"])
+    return ActorCriticPolicy(spaces["observation"], spaces["action"], lambda _: 0.0, ortho_init=False, **kwargs)
+
+
+def _brief(error: Exception) -> str:
+    return f"{type(error).__name__}: {' '.join(str(error).split())[:200]}"
+
+
 class TrainedPolicy:
     """A saved network as a policy: deterministic actions, clipped to [-1, 1], for a batch of observations."""
 
@@ -62,7 +71,7 @@ class TrainedPolicy:
             action_space: likewise.
 
         Raises:
-            ValueError: the file is missing or no such file, or its spaces are not those given.
+            ValueError: the file is missing, no such file or damaged, or its spaces are not those given.
         """
         try:
             with safe_open(path, "pt") as file:
@@ -72,19 +81,16 @@ class TrainedPolicy:
             raise ValueError(f"{path}: cannot be read as a policy ({error})") from error
         if header.get("format") != FORMAT:
             raise ValueError(f"{path}: format {header.get('format')!r}; expected {FORMAT!r}")
-        self.facts: dict[str, Any] = json.loads(header["facts"])
-        spaces = {name: _box(space) for name, space in self.facts["spaces"].items()}
+        try:
+            self.facts: dict[str, Any] = json.loads(header["facts"])
+            spaces = {name: _box(self.facts["spaces"][name]) for name in ("observation", "action")}
+            self.network = _network(spaces, self.facts)
+            self.network.load_state_dict(weights)
+        except (KeyError, TypeError, ValueError, RuntimeError) as error:
+            raise ValueError(f"{path}: damaged, train the policy again ({_brief(error)})") from error
         for name, given in (("observation", observation_space), ("action", action_space)):
             if given is not None and given != spaces[name]:
                 raise ValueError(f"{path}: trained for the {name} space {spaces[name]}, the environment has {given}")
-        self.network = ActorCriticPolicy(
-            spaces["observation"],
-            spaces["action"],
-            lambda _: 0.0,
-            ortho_init=False,
-            **policy_kwargs(tuple(self.facts["hidden"]), self.facts["activation"]),
-        )
-        self.network.load_state_dict(weights)
         self.network.set_training_mode(False)
 
     def reset(self, n: int) -> None:

@@ -16,7 +16,7 @@ ALLOWED = {
     "controllers": {"models", "envs", "controllers"},
     "evaluation": {"models", "envs", "controllers", "evaluation"},
     "render": {"models", "envs", "render"},
-    "experiments": {"models", "evaluation", "render", "experiments"},
+    "experiments": {"models", "envs", "evaluation", "render", "experiments"},
     "bench": {"models", "envs", "bench"},
     "cli": {"models", "envs", "controllers", "evaluation", "render", "bench", "experiments", "cli"},
 }

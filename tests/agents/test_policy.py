@@ -1,3 +1,5 @@
+import json
+
 import numpy as np
 import pytest
 import torch
@@ -55,3 +57,21 @@ def test_what_is_no_policy_is_refused(tmp_path):
     save_file({"a": np.zeros(2)}, tmp_path / "foreign.safetensors")
     with pytest.raises(ValueError, match="format None"):
         TrainedPolicy(tmp_path / "foreign.safetensors")
+
+
+@pytest.mark.parametrize("damage", ["no facts", "facts cut off", "no spaces", "weights of another network"])
+def test_a_damaged_policy_is_refused(saved, tmp_path, damage):
+    facts = {**FACTS, "spaces": TrainedPolicy(saved[1]).facts["spaces"]}
+    if damage == "weights of another network":
+        facts["hidden"] = [16]
+    if damage == "no spaces":
+        del facts["spaces"]
+    header = {"format": "vr_envs policy 1", "facts": json.dumps(facts)}
+    if damage == "no facts":
+        del header["facts"]
+    if damage == "facts cut off":
+        header["facts"] = header["facts"][:20]
+    weights = {name: tensor.numpy() for name, tensor in saved[0].state_dict().items()}
+    save_file(weights, tmp_path / "damaged.safetensors", header)
+    with pytest.raises(ValueError, match="damaged"):
+        TrainedPolicy(tmp_path / "damaged.safetensors")

@@ -15,8 +15,19 @@ from vr_envs.envs.scene import resolve
 from vr_envs.evaluation.rollout import rollout
 from vr_envs.evaluation.scenarios import scenario_set
 
-CASES = [(id, scene, engine) for id in ids() for engine in task_of(id).engines for scene in task_of(id).scenes]
-IDS_AND_ENGINES = sorted({(id, engine) for id, _, engine in CASES})
+
+def knows(id, scene, engine):
+    """Whether the engine knows all that is in the scene."""
+    try:
+        return resolve(task_of(id), scene, engine).engine == engine
+    except ValueError:
+        return False
+
+
+ALL = [(id, scene, engine) for id in ids() for engine in task_of(id).engines for scene in task_of(id).scenes]
+CASES = [case for case in ALL if knows(*case)]
+SCENE = {(id, engine): scene for id, scene, engine in reversed(CASES)}  # the first that the engine knows
+IDS_AND_ENGINES = sorted((id, engine) for id in ids() for engine in task_of(id).engines)
 SIMULATED = [(id, engine) for id, engine in IDS_AND_ENGINES if engine in task_of(id).simulators]
 KERNEL = [(id, engine) for id, engine in IDS_AND_ENGINES if engine not in task_of(id).simulators]
 
@@ -65,7 +76,7 @@ def test_a_saved_state_replays_to_the_same_bytes(id, scene, engine):
 @pytest.mark.parametrize(("id", "engine"), IDS_AND_ENGINES)
 def test_an_episode_follows_from_its_seed_and_ends_with_its_metrics(id, engine):
     def episode(seed):
-        env = gym.make(id, engine=engine)
+        env = gym.make(id, scene=SCENE[id, engine], engine=engine)
         env.reset(seed=seed)
         env.action_space.seed(seed)
         steps = []
@@ -76,30 +87,41 @@ def test_an_episode_follows_from_its_seed_and_ends_with_its_metrics(id, engine):
     first = episode(8)
     assert first == episode(8)
     assert first != episode(9)
-    assert "is_success" in first[-1][4] and first[-1][4].keys() == gym.make(id).unwrapped.metrics().keys()
+    assert (
+        "is_success" in first[-1][4]
+        and first[-1][4].keys() == gym.make(id, scene=SCENE[id, engine]).unwrapped.metrics().keys()
+    )
     assert all(step[4] == {} and 0.0 <= step[1] <= 1.0 for step in first[:-1])
 
 
 @pytest.mark.parametrize(("id", "engine"), IDS_AND_ENGINES)
 def test_the_scene_says_which_engine_it_has(id, engine):
-    task = task_of(id)
-    named = resolve(task, None, engine)
+    task, scene = task_of(id), SCENE[id, engine]
+    named = resolve(task, scene, engine)
     assert named.engine == engine
-    assert named == resolve(task, {engine: True}) == resolve(task, named.as_dict())
+    assert named == resolve(task, {"base": scene, engine: True}) == resolve(task, named.as_dict())
     assert engine in named.label
-    assert resolve(task, named.as_dict(), "exact") == resolve(task, {})
+    assert resolve(task, named.as_dict(), "exact") == resolve(task, {"base": scene})
     assert resolve(task, named.as_dict(), engine) == named
     assert gym.make(id, scene=named.as_dict()).unwrapped.engine == engine
 
 
+@pytest.mark.parametrize(("id", "scene", "engine"), [case for case in ALL if case not in CASES])
+def test_a_scene_that_an_engine_does_not_know_is_refused_with_the_reason(id, scene, engine):
+    for make in (lambda: gym.make(id, scene=scene, engine=engine), lambda: resolve(task_of(id), scene, engine)):
+        with pytest.raises(ValueError, match=f"engine '{engine}'"):
+            make()
+
+
 @pytest.mark.parametrize(("id", "engine"), SIMULATED)
 def test_a_native_batch_refuses_a_simulator_and_a_sync_one_has_it(id, engine):
-    for arguments in ({"engine": engine}, {"scene": {engine: True}}):
+    scene = SCENE[id, engine]
+    for arguments in ({"scene": scene, "engine": engine}, {"scene": {"base": scene, engine: True}}):
         with pytest.raises(ValueError, match=f"engine '{engine}' moves one environment at a time.*vectorization_mode"):
             gym.make_vec(id, 2, **arguments)
-    batch = gym.make_vec(id, 2, engine=engine, vectorization_mode="sync")
+    batch = gym.make_vec(id, 2, scene=scene, engine=engine, vectorization_mode="sync")
     batch.reset(seed=0)
-    single = gym.make(id, engine=engine)
+    single = gym.make(id, scene=scene, engine=engine)
     single.reset(seed=1)
     actions = np.zeros(batch.action_space.shape, np.float32)
     assert batch.step(actions)[0][1].tobytes() == single.step(actions[1])[0].tobytes()
@@ -107,7 +129,8 @@ def test_a_native_batch_refuses_a_simulator_and_a_sync_one_has_it(id, engine):
 
 @pytest.mark.parametrize(("id", "engine"), KERNEL)
 def test_a_native_batch_of_a_kernel_engine_is_the_scalar_env(id, engine):
-    batch, single = gym.make_vec(id, 3, engine=engine), gym.make(id, engine=engine)
+    made = {"scene": SCENE[id, engine], "engine": engine}
+    batch, single = gym.make_vec(id, 3, **made), gym.make(id, **made)
     assert batch.engine == engine
     batch.reset(seed=0)
     single.reset(seed=2)
@@ -119,13 +142,14 @@ def test_a_native_batch_of_a_kernel_engine_is_the_scalar_env(id, engine):
 
 @pytest.mark.parametrize(("id", "engine"), SIMULATED)
 def test_bad_actions_are_refused_and_change_nothing(id, engine):
-    env = gym.make(id, engine=engine).unwrapped
+    made = {"scene": SCENE[id, engine], "engine": engine}
+    env = gym.make(id, **made).unwrapped
     env.reset(seed=0)
     before = env.get_state()
     with pytest.raises(ValueError, match="finite"):
         env.step(np.full(env.action_space.shape, np.nan))
     assert before.tobytes() == env.get_state().tobytes()
-    beyond, edge = (gym.make(id, engine=engine).unwrapped for _ in range(2))
+    beyond, edge = (gym.make(id, **made).unwrapped for _ in range(2))
     for twin in (beyond, edge):
         twin.reset(seed=0)
     shape = env.action_space.shape
@@ -134,14 +158,14 @@ def test_bad_actions_are_refused_and_change_nothing(id, engine):
 
 @pytest.mark.parametrize(("id", "engine"), SIMULATED)
 def test_a_rollout_is_the_episodes_of_the_env(id, engine):
-    scene = resolve(task_of(id), None, engine).as_dict()
+    scene = resolve(task_of(id), SCENE[id, engine], engine).as_dict()
     scenarios = scenario_set(id, scene, n=2)
     policy = next(iter(ladder(scenarios.task, scenarios.scene).values()))
     ticks = []
     found = rollout(policy, scenarios, ticks.append)
     assert sum(ticks) == scenarios.limit and len(ticks) > scenarios.limit // 2
     for key, score in zip(scenarios.keys, found.scores, strict=True):
-        env = gym.make(id, engine=engine)
+        env = gym.make(id, scene=SCENE[id, engine], engine=engine)
         observation, _ = env.reset(options={"scenario": int(key)})
         total, ended = 0.0, False
         while not ended:

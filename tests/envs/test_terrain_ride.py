@@ -113,7 +113,7 @@ def test_changing_the_modulus_does_not_lift_the_mass(scene):
 
 
 def test_channels_describe_the_observation():
-    for scene in (None, "lecture", {"actuation": "active"}, {"preview": {"samples": 4}}):
+    for scene in (*TASK.scenes, {"preview": {"samples": 4}}):
         env = TerrainRideEnv(scene=scene)
         resolved = resolve(TASK, scene)
         channels = TASK.observation_channels(resolved)
@@ -125,7 +125,8 @@ def test_channels_describe_the_observation():
             assert env.observation_space.contains(observation)
             if terminated:
                 env.reset()
-    assert [c.name for c in TASK.action_channels(resolve(TASK, {"actuation": "active"}))] == ["force"]
+    assert [c.name for c in TASK.action_channels(resolve(TASK, "active"))] == ["force"]
+    assert [c.name for c in TASK.action_channels(resolve(TASK, "journey"))] == ["damping", "modulus", "speed"]
     assert max(c.high for c in channels) == LIMIT
 
 
@@ -178,6 +179,30 @@ def test_sensor_errors_have_the_declared_deviation():
     assert np.abs(np.corrcoef(errors[:, :4].T) - np.eye(4)).max() < 0.06
 
 
+def test_what_a_tyre_and_a_choice_of_speed_add_to_the_observation():
+    names = {name: [c.name for c in TASK.observation_channels(resolve(TASK, name))] for name in TASK.scenes}
+    plain = names["road"]
+    assert len(plain) == 17
+    assert names["quarter-car"] == [*plain[:5], "tyre deflection", "hub velocity", *plain[5:]]
+    assert names["active"] == [*names["quarter-car"][:7], "force actuator", *plain[7:]]
+    assert names["journey"][5:9] == ["speed", "lateness", "damping actuator", "modulus actuator"]
+    assert (names["journey"][9], names["journey"][-1]) == ("road 1.2 m ahead", "road 24 m ahead")
+
+
+def test_sensors_of_the_hub_err_as_declared():
+    noisy, clean = (TerrainRideBatchEnv(500, scene={"base": "quarter-car", "noise": noise}) for noise in (True, None))
+    errors = []
+    for env in (noisy, clean):
+        env.reset(seed=0)
+    for _ in range(10):
+        a, b = (env.step(np.zeros((500, 2)))[0] for env in (noisy, clean))
+        errors.append(a - b)
+    errors = np.concatenate(errors)
+    assert errors[:, 5:7].std(axis=0) == pytest.approx([0.0005 / 0.02, 0.05], rel=0.04)
+    assert np.abs(np.corrcoef(errors[:, [0, 1, 2, 3, 5, 6]].T) - np.eye(6)).max() < 0.06
+    assert not errors[:, 7:].any()
+
+
 @pytest.mark.parametrize(
     ("scene", "said"),
     [
@@ -185,7 +210,7 @@ def test_sensor_errors_have_the_declared_deviation():
         ({"modulus_high": 0.4}, "modulus_low = 0.5"),
         ({"bumps": {"low": 0.09}}, "bumps.low = 0.09"),
         ({"bumps": {"longest": 25.0}}, "2 bumps.longest = 50"),
-        ({"preview": {"horizon": 0.7}}, "speed \\* preview.horizon = 14"),
+        ({"preview": {"horizon": 1.4}}, "speed \\* preview.horizon = 28"),
         ({"road": None, "undulation": True, "stop": None}, "bumps"),
         ({"undulation": True}, "stop"),
         ({"payload": {"size": 5.0}}, "payload.size over the spring = 0.086"),
@@ -194,6 +219,11 @@ def test_sensor_errors_have_the_declared_deviation():
         ({"actuation": "magic"}, "semi_active, active"),
         ({"road": {"iso_class": "Z"}}, "road.iso_class"),
         ({"sped": 3.0}, "did you mean 'speed'"),
+        ({"base": "lecture", "cruise": True}, "cruise = .* over an undulation without a tyre"),
+        ({"cruise": True, "damping": "absolute"}, "damping = 'absolute' is not allowed with cruise"),
+        ({"cruise": {"slowest": 40.0}}, "cruise.slowest = 40"),
+        ({"cruise": {"schedule": 50.0}}, "cruise.schedule = 50"),
+        ({"dt": 1e-4}, "dt = 0.0001"),
     ],
 )
 def test_impossible_scenes_are_refused(scene, said):

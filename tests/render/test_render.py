@@ -154,6 +154,17 @@ def test_the_ground_behind_the_wheel_is_what_was_ahead_of_it():
     assert min(artist._knots) * 0.2 > 20.0 * 0.6 - 230.0 / artist.x_scale - 0.4
 
 
+def test_a_tyre_gives_way_and_shows_that_it_is_off_the_ground():
+    resolved, states = episode_of("TerrainRide-v0", "quarter-car", None, 3)
+    on, squashed, off = (states[0].copy() for _ in range(3))
+    squashed["deflection"], off["airborne"] = -0.01, True
+    pictures = [painter("terrain_ride", resolved, "rgb_array").draw(state) for state in (on, squashed, off)]
+    red = [int((p[..., 0] > 150).sum() - ((p[..., 0] > 150) & (p[..., 1] > 90)).sum()) for p in pictures]
+    assert pictures[0].tobytes() != pictures[1].tobytes()
+    assert red[2] > red[0] + 200
+    assert painter("terrain_ride", resolved, "rgb_array").ahead * 0.1 > 6.0
+
+
 @pytest.mark.parametrize("env_id", ids())
 def test_a_window_shows_the_same_and_can_be_closed(env_id, monkeypatch):
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")

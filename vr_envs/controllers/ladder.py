@@ -27,9 +27,15 @@ def baseline_of(task: Task) -> str:
     return importlib.import_module(f"vr_envs.controllers.{task.name}").BASELINE
 
 
-def laws_of(task: Task) -> dict[str, Any]:
-    """The analytic laws of `task`: name -> class, called with (scene, **gains)."""
-    return importlib.import_module(f"vr_envs.controllers.{task.name}").LAWS
+def laws_of(task: Task, scene: Scene | None = None) -> dict[str, Any]:
+    """The analytic laws of `task`: name -> class, called with (scene, **gains).
+
+    With a `scene` only those that make sense in it: a law may have a `serves(scene)` that says so.
+    """
+    laws = importlib.import_module(f"vr_envs.controllers.{task.name}").LAWS
+    if scene is None:
+        return laws
+    return {name: law for name, law in laws.items() if not hasattr(law, "serves") or law.serves(scene)}
 
 
 def tuned_file(task: Task) -> Path:
@@ -67,6 +73,6 @@ def ladder(task: Task, scene: Scene) -> dict[str, Policy]:
     }
     if list(gains.get(CONSTANT, ())) == channels:
         policies[CONSTANT] = constant(task, scene, gains[CONSTANT])
-    for name, law in laws_of(task).items():
+    for name, law in laws_of(task, scene).items():
         policies[name] = law(scene, **gains.get(name, {}))
     return policies

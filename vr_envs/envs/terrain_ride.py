@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-import math
+from typing import Any
 
 import numpy as np
 
@@ -11,30 +11,47 @@ from vr_envs.envs.batch import BatchEnv
 from vr_envs.envs.scalar import ScalarEnv
 from vr_envs.envs.scene import Scene
 from vr_envs.envs.task import Task
-from vr_envs.envs.terrain_ride_observation import Preview, SensorNoise, action_channels, channels, observe
+from vr_envs.envs.terrain_ride_engines import ENGINES
+from vr_envs.envs.terrain_ride_observation import (
+    Preview,
+    SensorNoise,
+    action_channels,
+    channels,
+    lateness,
+    observe,
+)
+from vr_envs.envs.terrain_ride_rules import validate
 from vr_envs.models import terrain_ride as model
 from vr_envs.models.jit import kernel
 from vr_envs.models.noise import uniform
 from vr_envs.models.record import quantity
+from vr_envs.models.ride_meter import readings
 from vr_envs.models.ride_options import ActuatorLag, Cruise, Payload, Textbook, Tyre
-from vr_envs.models.road import RING, start_road
+from vr_envs.models.road import start_road
 from vr_envs.models.road_options import Bumps, Obstacle, Profile, Road, Wheel
 from vr_envs.models.terrain import Undulation, start_undulation
 from vr_envs.models.travel_stop import TravelStop
-from vr_envs.models.weighting import MEMORY, weight
 
 _PAYLOAD_DRAW = 1 << 49
+
+QUARTER_CAR: dict[str, Any] = {
+    "damping_low": 1.0,
+    "damping_high": 14.0,
+    "tyre": True,
+    "road": {"knot_spacing": 0.1},
+    "bumps": True,
+    "stop": True,
+    "payload": True,
+    "lag": True,
+    "preview": True,
+    "noise": True,
+}
 
 
 @dataclasses.dataclass(frozen=True)
 class State(model.State):
-    """The whole episode: the ride, the weighted acceleration, and the sums from which metrics follow."""
+    """The whole episode: the ride and what is counted of it."""
 
-    weighting: float = quantity(0.0, "", "memory of the weighting filter", shape=(MEMORY,))
-    weighted: float = quantity(0.0, "m/s^2", "weighted acceleration")
-    weighted_squares: float = quantity(0.0, "m^2/s^4", "its squares, summed over the steps")
-    travel_squares: float = quantity(0.0, "m^2", "squares of the travel, summed over the steps")
-    travel_peak: float = quantity(0.0, "m", "largest |u| at a control instant")
     hits: int = quantity(0, "", "touches of a stop so far", low=0)
 
 
@@ -43,15 +60,14 @@ def start(
     state, params, undulation, road, profile, bumps, obstacle, wheel, tyre, stop, payload, lag, cruise,
     preview, noise, textbook,
 ):  # type: ignore[no-untyped-def]  # fmt: skip
-    """The mass at rest where the spring balances the payload, actuators at mid-range."""
+    """At rest where spring and tyre balance the payload, actuators at mid-range."""
     if undulation is not None:
         start_undulation(state)
     if road is not None:
         start_road(state, road, profile, bumps, obstacle, wheel)
     if payload is not None:
         state.payload = payload.size * (2.0 * uniform(state.key, _PAYLOAD_DRAW) - 1.0)
-    _, w2, push = model.suspension(state, params)
-    state.travel = push / w2
+    model.rest(state, params, tyre)
 
 
 @kernel
@@ -71,13 +87,12 @@ def outcome(
     preview, noise, textbook,
 ):  # type: ignore[no-untyped-def]  # fmt: skip
     """Score the interval that has ended: comfort and travel together, nothing in contact with a stop."""
-    state.weighted = weight(state.weighting, state.acceleration)
-    state.weighted_squares += state.weighted * state.weighted
-    state.travel_squares += state.travel * state.travel
-    state.travel_peak = max(state.travel_peak, abs(state.travel))
     state.hits += state.touches
     discomfort, stroke = state.weighted / params.comfort, state.travel / params.rattle
     reward = 1.0 / (1.0 + discomfort * discomfort + stroke * stroke)
+    if cruise is not None:
+        late = max(0.0, lateness(state, params, cruise)) / cruise.lateness
+        reward /= 1.0 + late * late
     ended = False
     if stop is not None:
         if state.side != 0.0 or state.touches > 0 or state.fault:
@@ -87,63 +102,37 @@ def outcome(
 
 
 def metrics(states: np.ndarray, scene: Scene) -> dict[str, np.ndarray]:
-    """Domain metrics of episodes, one value per record.
+    """Domain metrics of episodes, one value per record; those that matter most in the scene come first.
 
-    acceleration_rms_m_s2: weighted with Wk; travel_rms_mm, travel_peak_mm: of the spring, at the control instants;
-    stop_hits: times that a stop was touched; fault: a search for a contact did not end; is_success: neither of
-    these, and acceleration and travel both below the values that halve the reward.
+    Those of `ride_meter.readings`, and stop_hits: times that a stop was touched; mean_speed_m_s; lateness_m: distance
+    behind the schedule at the end, 0 where it is kept or where there is none; fault: a search for a contact did not
+    end; is_success: no hit and no fault, weighted acceleration and travel below the values that halve the reward.
     """
-    steps = np.maximum(states["steps"], 1)
-    acceleration = np.sqrt(states["weighted_squares"] / steps)
-    travel = np.sqrt(states["travel_squares"] / steps)
+    seconds = np.maximum(states["steps"], 1) * scene.params.dt
+    found = readings(states)
+    found["stop_hits"] = states["hits"].copy()
+    found["mean_speed_m_s"] = np.full(len(states), scene.params.speed)
+    found["lateness_m"] = np.zeros(len(states))
+    cruise = scene.options["cruise"]
+    if cruise is not None:
+        found["mean_speed_m_s"] = states["distance"] / seconds
+        found["lateness_m"] = np.maximum(0.0, cruise.schedule * seconds - states["distance"])
+    found["fault"] = states["fault"] != 0
+    acceleration, travel = found["acceleration_rms_m_s2"], 1e-3 * found["travel_rms_mm"]
     calm = (acceleration < scene.params.comfort) & (travel < scene.params.rattle)
+    third = (
+        "lateness_m" if cruise is not None else "travel_peak_mm" if scene.options["tyre"] is None else "tyre_load_rms"
+    )
+    first = ("acceleration_rms_m_s2", "travel_rms_mm", third, "stop_hits")
     return {
-        "is_success": calm & (states["hits"] == 0) & (states["fault"] == 0),
-        "acceleration_rms_m_s2": acceleration,
-        "travel_rms_mm": 1e3 * travel,
-        "travel_peak_mm": 1e3 * states["travel_peak"],
-        "stop_hits": states["hits"].copy(),
-        "fault": states["fault"] != 0,
+        "is_success": calm & (states["hits"] == 0) & ~found["fault"],
+        **{name: found[name] for name in first},
+        **found,
     }
 
 
-def validate(scene: Scene) -> None:
-    """Ranges in order; the payload within the stops; the preview within the knots that are kept.
-
-    A stop and bumps need a road of straight pieces.
-    """
-    p, options = scene.params, scene.options
-    road, bumps, preview, payload, stop = (options[k] for k in ("road", "bumps", "preview", "payload", "stop"))
-    orders = [
-        ("damping_low", p.damping_low, "damping_high", p.damping_high, True),
-        ("modulus_low", p.modulus_low, "modulus_high", p.modulus_high, True),
-    ]
-    if bumps is not None:
-        orders += [
-            ("bumps.low", bumps.low, "bumps.high", bumps.high, False),
-            ("bumps.shortest", bumps.shortest, "bumps.longest", bumps.longest, False),
-            ("2 bumps.longest", 2.0 * bumps.longest, "bumps.stretch", bumps.stretch, False),
-        ]
-    if preview is not None and road is not None:
-        reach = (RING - 4) * road.knot_spacing
-        orders.append(("speed * preview.horizon", p.speed * preview.horizon, "60 road.knot_spacing", reach, False))
-    if payload is not None and stop is not None:
-        sag = payload.size / p.w2 * (1.0 if p.active else math.exp(-p.modulus_centre))
-        orders.append(("payload.size over the spring", sag, "stop.travel", stop.travel, True))
-    for low_name, low, high_name, high, strict in orders:
-        if low > high or (strict and low == high):
-            rule = "be below" if strict else "not exceed"
-            raise ValueError(f"{low_name} = {low:g} is not allowed; it must {rule} {high_name} = {high:g}")
-    if bumps is not None and road is None:
-        raise ValueError("bumps = {...} is not allowed without a road; give road = true, or bumps = null")
-    if stop is not None and options["undulation"] is not None:
-        raise ValueError("stop = {...} is not allowed over an undulation; give undulation = null and road = true")
-    if options["undulation"] is None and road is None:
-        raise ValueError("road = null is not allowed without an undulation; give one of the two")
-
-
 def _control_interval(scene: Scene) -> float:
-    return model.CONTROL_INTERVAL
+    return scene.params.dt
 
 
 TASK = Task(
@@ -176,6 +165,19 @@ TASK = Task(
             "preview": True,
             "noise": True,
         },
+        "quarter-car": QUARTER_CAR,
+        "active": {**QUARTER_CAR, "actuation": "active", "passive_damping": 3.0},
+        "journey": {
+            "speed": 15.0,
+            "cruise": {"fastest": 25.0, "schedule": 15.0},
+            "road": True,
+            "bumps": True,
+            "stop": True,
+            "payload": True,
+            "lag": True,
+            "preview": {"horizon": 1.6, "samples": 20},
+            "noise": True,
+        },
         "lecture": {"undulation": True, "damping": "absolute"},
     },
     default_scene="road",
@@ -193,7 +195,7 @@ TASK = Task(
     metrics=metrics,
     dt=_control_interval,
     validate=validate,
-    engines={"textbook": Textbook},
+    engines=ENGINES,
 )
 
 
@@ -207,7 +209,8 @@ class TerrainRideEnv(ScalarEnv):
     default scene is a quarter of a car, 290 kg at 20 m/s on an ISO 8608 road of class C with bumps and dips, with
     rubber stops at 80 mm of travel, an unknown payload, lagging actuators and 0.3 s of the road ahead in view. The
     spring acts about its levelled equilibrium, so that a change of modulus does not lift the mass. Motion over a
-    control interval (0.01 s) is exact, contacts with the stops included.
+    control interval (`dt`, 0.01 s) is exact, contacts with the stops included. Actuators that lag, the frequency
+    weighting and the metrics work at ticks of 0.01 s, whatever the control interval is.
 
     ## Action Space
     `Box(-1, 1, (2,), float32)`, logarithmic, 0 is the geometric mean of both ends:
@@ -217,28 +220,35 @@ class TerrainRideEnv(ScalarEnv):
     | 0 | damping c/m between mass and wheel | 0.3 1/s | 10 1/s |
     | 1 | modulus of the spring, as a fraction of 16812 N/m | 0.5 | 2 |
 
-    With `actuation = "active"`, `Box(-1, 1, (1,), float32)`: a force between mass and wheel, -1450 N (pulls the mass
-    down) to 1450 N, beside the spring at modulus 1 and a damping of 1 1/s.
+    In the scene "quarter-car" the damping is 1 to 14 1/s. In "active", `Box(-1, 1, (1,), float32)`: a force between
+    mass and wheel, -1450 N (pulls the mass down) to 1450 N, beside the spring at modulus 1 and a damping of 3 1/s. In
+    "journey" one action more, the last: the speed, linear, 5 m/s at -1 to 25 m/s at 1; it goes there at 3 m/s^2.
 
     ## Observation Space
-    `Box(float32)` of 17 numbers (16 with a force); numbers 0-4 and the road within [-5, 5], the actuators in [-1, 1].
-    Sensor errors are uniform with the standard deviation given.
+    `Box(float32)` of 17 numbers; numbers 0-4 and the road within [-5, 5], the actuators in [-1, 1]. Sensor errors are
+    uniform with the standard deviation given.
 
     | # | quantity | unit | 1 stands for | error |
     |---|---|---|---|---|
     | 0 | travel: height of the mass over the wheel, from levelled rest | m | 0.05 m | 0.5 mm |
-    | 1 | travel rate, mean over the last interval | m/s | 0.5 m/s | 0.02 m/s |
+    | 1 | travel rate, mean over the last tick | m/s | 0.5 m/s | 0.02 m/s |
     | 2 | vertical velocity of the mass | m/s | 0.5 m/s | 0.02 m/s |
-    | 3 | vertical acceleration of the mass, mean over the last interval | m/s^2 | 2 m/s^2 | 0.1 m/s^2 |
+    | 3 | vertical acceleration of the mass, mean over the last tick | m/s^2 | 2 m/s^2 | 0.1 m/s^2 |
     | 4 | the acceleration through the frequency weighting Wk of ISO 2631-1 | m/s^2 | 2 m/s^2 | none |
     | 5, 6 | present positions of the actuators, damping and modulus (5: of the force) | 1 | as the action | none |
     | 7-16 | height of the road 0.03, 0.06 ... 0.3 s ahead over the road under the wheel | m | 0.05 m | none |
+
+    A tyre adds two numbers after the first five: its deflection (height of the hub over the ground from levelled rest;
+    1 is 0.02 m, error 0.5 mm) and the hub's vertical velocity (1 is 1 m/s, error 0.05 m/s). A choice of speed adds two
+    there: the speed (1 is the fastest one) and the distance behind the schedule (1 is `cruise.lateness`). The road
+    ahead is then at fixed distances, 1.2 m to 24 m in "journey".
 
     `vr_envs.envs.terrain_ride_observation.read` turns a batch back into SI units.
 
     ## Rewards
     1 / (1 + (a / 1 m/s^2)^2 + (u / 30 mm)^2) at the end of the interval, with the weighted acceleration a and the
-    travel u: 1 is perfect. 0 for an interval with a stop in contact.
+    travel u: 1 is perfect. 0 for an interval with a stop in contact. The load of a tyre is measured, not rewarded.
+    With a schedule, times 1 / (1 + (distance behind it / 5 m)^2); being early earns nothing.
 
     ## Starting State
     The mass at rest at the equilibrium that its payload gives, actuators at 0. Drawn for the episode: the payload,
@@ -247,18 +257,24 @@ class TerrainRideEnv(ScalarEnv):
 
     ## Episode End
     Terminated when, at a control instant, a stop's rubber is compressed by more than 15 mm (a compression that comes
-    and goes within one interval does not count), or when a search for its contacts does not end (`fault`); never
-    without a stop. Truncated after 1000 steps by the registered time limit.
+    and goes within one interval does not count), or when a search for contacts does not end (`fault`); never without
+    a stop. Truncated after 1000 steps by the registered time limit.
 
     At the end `info` holds `is_success` (no stop hit, rms acceleration below 1 m/s^2 and rms travel below 30 mm),
-    `acceleration_rms_m_s2` (weighted), `travel_rms_mm`, `travel_peak_mm`, `stop_hits` and `fault`.
+    `acceleration_rms_m_s2` (weighted), `unweighted_rms_m_s2`, `vdv_m_s175` (vibration dose), `jerk_rms_m_s3`,
+    `travel_rms_mm`, `travel_peak_mm`, `stop_hits`, `force_rms_n` (of damper or force), `tyre_load_rms` (dynamic over
+    static) and `airborne_fraction` (both 0 without a tyre), `mean_speed_m_s`, `lateness_m` and `fault`.
 
     ## Arguments
-    - `scene`: "road" (default), "lecture" (the lecture's model and nothing else: three sines for terrain, damping of
-      the mass's own velocity as its factor k_d has it, no stop, payload, lag, preview or sensor error), or a dict of
-      overrides: the fields of `vr_envs.models.terrain_ride.Params` (`{"actuation": "active"}` for a force), and the
-      options `undulation` (sines), `road` (`iso_class` "A" to "H"), `bumps`, `stop`, `payload`, `lag`, `preview` and
-      `noise`, each null, true or a dict of its fields. A stop excludes sines, bumps need a road.
+    - `scene`: "road" (default); "quarter-car" (the wheel has 59 kg and a tyre that pushes but does not pull, and leaves
+      the ground); "active" (the same with a force); "journey" (over a wheel that follows the ground, the speed is an
+      action and there is a schedule); "lecture" (the lecture's model and nothing else: three sines for terrain,
+      damping of the mass's own velocity as its factor k_d has it, no stop, payload, lag, preview or sensor error); or
+      a dict of overrides: the fields of `vr_envs.models.terrain_ride.Params`, and the options `undulation` (sines),
+      `road` (`iso_class` "A" to "H" or "flat"), `profile` (heights, or the path of a CSV file), `bumps`, `obstacle`,
+      `wheel` (of finite radius), `tyre`, `stop`, `payload`, `lag`, `cruise`, `preview` and `noise`, each null, true or
+      a dict of its fields. docs/terrain_ride.md says what they are and which exclude each other.
+    - `engine`: "exact" (default), or "textbook" (the lecture's recurrence) where it knows the scene's options.
     - `render_mode`: None, "rgb_array" or "human".
 
     ## Version History

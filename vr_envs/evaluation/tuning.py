@@ -70,7 +70,7 @@ def candidates(task: Task, scene: Scene) -> dict[str, Candidate]:
     """What can be tuned in `scene`: every law with a gain in its `TUNABLE`, and last the constant action."""
     found = {
         name: Candidate(law.TUNABLE, lambda gains, law=law: law(scene, **gains))
-        for name, law in laws_of(task).items()
+        for name, law in laws_of(task, scene).items()
         if law.TUNABLE
     }
     channels = {c.name: (-1.0, 1.0, 0.0) for c in task.action_channels(scene)}

@@ -1,4 +1,4 @@
-"""All experiments, in the order of the source document."""
+"""All experiments, in the order of the source documents: the bouncing ball's report, then the lecture."""
 
 from __future__ import annotations
 
@@ -44,4 +44,22 @@ HORIZONTAL = (
 
 SEARCH = (Experiment("grazing", "Section III.D", "first contacts of a million grazing launches", "grazing:grazing"),)
 
-EXPERIMENTS: dict[str, Experiment] = {e.name: e for e in (*VISION, *LENS, *VERTICAL, *SEARCH, *HORIZONTAL)}
+LECTURE = (
+    Experiment("kd-step", "Lecture, 3.88", "the damping of a factor once a step", "kd_step:kd_step"),
+    Experiment("ride-readings", "Lecture, 3.89, 3.90", "two readings of h over the step", "ride_readings:readings"),
+    Experiment("ride-engines", "Lecture, 3.89, 3.90", "error of every engine over its step", "ride_engines:engines"),
+    Experiment("heading-step", "Lecture, aircraft", "the turn of a heading step without dt", "heading_step:heading"),
+)
+
+RIDE = (
+    Experiment(
+        "road-spectrum", "ISO 8608", "densities of three road classes over the formula", "road_spectrum:road_spectrum"
+    ),
+    Experiment(
+        "ride-classes", "ISO 8608, 2631-1", "ride of a quarter car by road class and speed", "ride_classes:ride_classes"
+    ),
+)
+
+EXPERIMENTS: dict[str, Experiment] = {
+    e.name: e for e in (*VISION, *LENS, *VERTICAL, *SEARCH, *HORIZONTAL, *LECTURE, *RIDE)
+}

@@ -1,71 +1,108 @@
-"""Road under a wheel, piecewise linear by definition: ISO 8608 roughness, a measured profile, bumps and obstacles.
+"""Road under a wheel, piecewise linear by definition: roughness of an ISO 8608 class, and what lies on it.
 
-Heights are in m, up; distances along the road in m, ahead. The kernels read and write these fields of a state record:
-`key`, `knots` (a ring of `RING` knot heights), `knot` (index of the knot behind the wheel), `to_knot` (distance to
-the next one), `roughness`, `roughness_sd`.
+Heights are in m, up; distances along the road in m, ahead. The road is the polygon of its knots, and a knot depends on
+the episode's key and its own number alone. The kernels read and write the fields of `RoadState` and read the `key`.
 
-ISO 8608: the one-sided displacement density is Gd(n) = Gd(n0) (n/n0)^-2 with n0 = 0.1 cycle/m; class A has the
-geometric mean Gd(n0) = 16e-6 m^3 and each further class four times that. Below the cut-off n_c the density is flat:
-the road is white noise through a first-order filter,  dr/dx + 2 pi n_c r = sqrt(2) pi n0 sqrt(Gd(n0)) xi(x),  whose
-samples at equally spaced knots are exactly  r' = phi r + sd sqrt(1 - phi^2) N(0, 1).
+Roughness: below the cut-off n_c of `road_density` the road is white noise through a first-order filter,
+
+    dr/dx + 2 pi n_c r = sqrt(2) pi n0 sqrt(Gd(n0)) xi(x),    E[xi(x) xi(x')] = delta(x - x'),
+
+whose samples at equally spaced knots are exactly  r' = phi r + sd sqrt(1 - phi^2) N(0, 1). (Where a source has
+2 pi n0 sqrt(Gd(n0)) there, its noise has a one-sided density of 1; with E[xi xi'] = delta that road has twice the
+density.)
+
+With a wheel of finite radius the knots are those of its centre's path. The road behind the first knot, on which such a
+wheel rests too, is level.
 """
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 from vr_envs.models.jit import kernel
 from vr_envs.models.noise import normal_pair, uniform
+from vr_envs.models.record import quantity
+from vr_envs.models.road_features import bump_height, obstacle_height, profile_height
+from vr_envs.models.road_options import RAW, REFERENCE_NUMBER, RING
+from vr_envs.models.wheel_envelope import centre_height, wheel_reach
 
-RING = 64  # knots kept, a power of two; at least the next RING - 3 are ahead of the wheel
+# Counters of an episode's key, one range for each use; the pairs of knots use those below _DENSITY. See the phases of
+# an undulation and the bumps for the others.
+_DENSITY, _START = 1 << 40, 1 << 43
 
-# Counters of an episode's key, one range for each use; the pairs of knots use those below _DENSITY.
-_DENSITY, _BUMP, _START = 1 << 40, 1 << 42, 1 << 43
+
+@dataclasses.dataclass(frozen=True)
+class RoadState:
+    """Fields of a state record that has a road."""
+
+    knot: int = quantity(0, "", "road knot behind the wheel", low=0)
+    to_knot: float = quantity(0.0, "m", "distance to the next knot", low=0.0, high=10.0)
+    roughness: float = quantity(0.0, "m", "roughness of the last knot drawn")
+    roughness_sd: float = quantity(0.0, "m", "its standard deviation in this episode")
+    knots: float = quantity(0.0, "m", "ring of road knots", shape=(RING,))
+    raw: float = quantity(0.0, "m", "ring of knots of the bare profile, with a wheel of finite radius", shape=(RAW,))
+
+
+@dataclasses.dataclass(frozen=True)
+class RoadAlone(RoadState):
+    """A record of a road without a vehicle."""
+
+    key: int = quantity(0, "", "episode key", kind="key")
 
 
 @kernel
-def bump_height(key, distance, bumps):
-    """Height of the bump or dip at `distance` from the start of the road."""
-    place = math.floor(distance / bumps.stretch)
-    counter = _BUMP + 3 * int(place)
-    # the whole bump lies within its stretch
-    free = bumps.stretch - 2.0 * bumps.longest
-    away = abs(distance - place * bumps.stretch - bumps.longest - free * uniform(key, counter))
-    if away >= bumps.longest:
-        return 0.0
-    half = bumps.shortest + (bumps.longest - bumps.shortest) * uniform(key, counter + 1)
-    side = 2.0 * uniform(key, counter + 2) - 1.0
-    height = bumps.low + (bumps.high - bumps.low) * abs(side)
-    return math.copysign(height, side) * max(0.0, 1.0 - away / half)
+def roughness_deviation(density, cutoff):
+    """Standard deviation [m] of the roughness with the density Gd(n0) [m^3] and the cut-off [cycle/m]."""
+    return REFERENCE_NUMBER * math.sqrt(0.5 * math.pi * density / cutoff)
 
 
 @kernel
 def _put_knot(state, k, normal, road, profile, bumps, obstacle, wheel):
-    """Draw knot k into the ring from a standard normal number."""
+    """Draw knot k of the profile from a standard normal number."""
     state.roughness = road.memory * state.roughness + road.innovation * state.roughness_sd * normal
     height = state.roughness
+    if profile is not None:
+        height += profile_height(k * road.knot_spacing, profile)
     if bumps is not None:
         height += bump_height(state.key, k * road.knot_spacing, bumps)
-    state.knots[k & (RING - 1)] = height
+    if obstacle is not None:
+        height += obstacle_height(k * road.knot_spacing, obstacle)
+    if wheel is None:
+        state.knots[k & (RING - 1)] = height
+    else:
+        state.raw[k & (RAW - 1)] = height
 
 
 @kernel
 def _draw_pair(state, pair, road, profile, bumps, obstacle, wheel):
-    """Draw the knots 2 pair and 2 pair + 1 into the ring."""
+    """Draw the knots 2 pair and 2 pair + 1 of the profile; a wheel of finite radius follows as far as it can."""
     first, second = normal_pair(state.key, pair)
     _put_knot(state, 2 * pair, first, road, profile, bumps, obstacle, wheel)
     _put_knot(state, 2 * pair + 1, second, road, profile, bumps, obstacle, wheel)
+    if wheel is not None:
+        reach = wheel_reach(road, wheel)
+        if 2 * pair >= reach:
+            for k in range(2 * pair - reach, 2 * pair - reach + 2):
+                state.knots[k & (RING - 1)] = centre_height(state.raw, k, reach, road.knot_spacing, wheel.radius)
 
 
 @kernel
 def start_road(state, road, profile, bumps, obstacle, wheel):
     """Draw the roughness of the episode and fill the ring; the wheel stands on knot 0."""
     density = road.density * 2.0 ** (road.spread * (2.0 * uniform(state.key, _DENSITY) - 1.0))
-    state.roughness_sd = 0.1 * math.sqrt(0.5 * math.pi * density / road.cutoff)
+    state.roughness_sd = roughness_deviation(density, road.cutoff)
     state.roughness = state.roughness_sd * normal_pair(state.key, _START // 2)[0]
     state.knot = 0
     state.to_knot = road.knot_spacing
-    for pair in range(RING // 2):
+    _draw_pair(state, 0, road, profile, bumps, obstacle, wheel)
+    ahead = RING
+    if wheel is not None:
+        reach = wheel_reach(road, wheel)
+        for k in range(RAW - reach, RAW):
+            state.raw[k] = state.raw[0]
+        ahead += reach
+    for pair in range(1, ahead // 2):
         _draw_pair(state, pair, road, profile, bumps, obstacle, wheel)
 
 
@@ -82,7 +119,10 @@ def pass_knot(state, road, profile, bumps, obstacle, wheel):
     state.knot += 1
     state.to_knot = road.knot_spacing
     if state.knot & 1 == 0:
-        _draw_pair(state, state.knot // 2 + RING // 2 - 1, road, profile, bumps, obstacle, wheel)
+        newest = state.knot + RING - 2
+        if wheel is not None:
+            newest += wheel_reach(road, wheel)
+        _draw_pair(state, newest // 2, road, profile, bumps, obstacle, wheel)
 
 
 @kernel
@@ -98,3 +138,13 @@ def road_height(state, place):
     k = state.knot + whole
     left, right = state.knots[k & (RING - 1)], state.knots[(k + 1) & (RING - 1)]
     return left + (right - left) * (place - whole)
+
+
+@kernel
+def draw_road(state, heights, road, profile, bumps, obstacle, wheel):
+    """Start the road of the key in `state` and write the heights (n,) of its first n knots, n >= 1."""
+    start_road(state, road, profile, bumps, obstacle, wheel)
+    heights[0] = state.knots[0]
+    for k in range(1, heights.shape[0]):
+        pass_knot(state, road, profile, bumps, obstacle, wheel)
+        heights[k] = state.knots[k & (RING - 1)]

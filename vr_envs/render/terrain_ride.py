@@ -1,4 +1,7 @@
-"""Pictures of the terrain ride: ground, wheel, spring, damper and mass, the travel that is left, the acceleration."""
+"""Pictures of the terrain ride: ground, wheel, spring, damper and mass, the travel that is left, the acceleration.
+
+The hub of a quarter car moves over the ground as its tyre gives way; a tyre off the ground is red.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,7 @@ import numpy as np
 
 from vr_envs.models.road import RING, place_on_road, road_height
 from vr_envs.models.terrain import WAVES, undulation_ahead, wave
-from vr_envs.models.terrain_ride import CONTROL_INTERVAL, suspension
+from vr_envs.models.terrain_ride import suspension
 from vr_envs.render.base import Painter
 from vr_envs.render.canvas import Box, Point, View
 from vr_envs.render.chart import History, Strip, fitted, nice_step
@@ -45,7 +48,7 @@ SHORTEST = 16.0
 SKY_LEVEL = 132.0  # point of the ceiling on which a damper of the mass's own velocity hangs
 RISE = 70.0  # points for the highest ground and an ordinary travel
 AHEAD_ON_WAVES = 30.0  # m of ground in view
-AHEAD_ON_ROAD = min(50, RING - 4)  # knots of it
+AHEAD_ON_ROAD = 50  # knots of it, or more for a preview that reaches further
 
 
 class TerrainRidePainter(Painter):
@@ -57,7 +60,11 @@ class TerrainRidePainter(Painter):
         """See `Painter`."""
         super().__init__(scene, render_mode)
         road = scene.options["road"]
-        ahead = AHEAD_ON_WAVES if road is None else AHEAD_ON_ROAD * road.knot_spacing
+        self.ahead = AHEAD_ON_ROAD
+        if road is not None and scene.options["preview"] is not None:
+            reach = scene.params.speed * scene.options["preview"].horizon / road.knot_spacing
+            self.ahead = min(RING - 4, max(AHEAD_ON_ROAD, math.ceil(1.05 * reach)))
+        ahead = AHEAD_ON_WAVES if road is None else self.ahead * road.knot_spacing
         self.x_scale = (WIDTH - WHEEL_X) / ahead
         self._forget()
 
@@ -72,17 +79,18 @@ class TerrainRidePainter(Painter):
         if self._seen[0] != key or steps < self._seen[1]:
             self._forget()
         self._seen = key, steps
-        time = steps * CONTROL_INTERVAL
+        time = steps * self.scene.params.dt
         self._history.add(time, float(state["acceleration"]), float(state["weighted"]))
         magnification = self._magnification(state)
         view = View((WHEEL_X, GROUND_LEVEL), self.x_scale, self.x_scale * magnification)
         self.heading(f"t = {time:.2f} s")
         self._chart(time)
         self._settings(state)
-        ground = self._ground(state, view, time)
+        ground = self._ground(state, view)
         self._vehicle(state, view, ground)
         self._gauge(state)
-        note = f"{self.scene.params.speed:g} m/s, heights \N{MULTIPLICATION SIGN} {magnification:g}"
+        speed = self.scene.params.speed if self.scene.options["cruise"] is None else round(float(state["speed"]), 1)
+        note = f"{speed:g} m/s, heights \N{MULTIPLICATION SIGN} {magnification:g}"
         self.canvas.text(note, (WIDTH - MARGIN, 141.0), GREY, SMALL, "right")
 
     def _magnification(self, state: np.void) -> float:
@@ -102,7 +110,7 @@ class TerrainRidePainter(Painter):
             heights = np.zeros(len(distances))
         else:
             spacing, place, knot = self.scene.options["road"].knot_spacing, place_on_road(state, road), state["knot"]
-            for k in range(AHEAD_ON_ROAD + 3):
+            for k in range(self.ahead + 3):
                 self._knots[int(knot) + k] = road_height(state, float(k))
             oldest = int(knot) + math.floor(left / spacing)
             self._knots = {k: height for k, height in self._knots.items() if k >= oldest}
@@ -113,7 +121,7 @@ class TerrainRidePainter(Painter):
             heights += [undulation_ahead(state, float(d), waves) for d in distances]
         return distances, heights
 
-    def _ground(self, state: np.void, view: View, time: float) -> float:
+    def _ground(self, state: np.void, view: View) -> float:
         """Draw the ground; its height under the wheel (m)."""
         canvas = self.canvas
         distances, heights = self._profile(state)
@@ -130,7 +138,7 @@ class TerrainRidePainter(Painter):
             canvas.line(points, ORANGE, 2.5)
             x, y = points[-1]
             canvas.text(f"preview {preview.horizon:g} s", (x, y + 13.0), ORANGE, SMALL, "right")
-        travelled = self.scene.params.speed * time
+        travelled = float(state["distance"])
         step = nice_step(60.0 / self.x_scale)
         for k in range(
             math.ceil((travelled + distances[0]) / step), math.floor((travelled + distances[-1]) / step) + 1
@@ -142,7 +150,8 @@ class TerrainRidePainter(Painter):
 
     def _vehicle(self, state: np.void, view: View, ground: float) -> None:
         canvas, p = self.canvas, self.scene.params
-        x, y = view(0.0, ground)
+        tyre = self.scene.options["tyre"] is not None
+        x, y = view(0.0, ground + (float(state["deflection"]) if tyre else 0.0))
         carrier = y - 2.0 * WHEEL - 7.0
         mass = carrier - max(SHORTEST, REST_LENGTH + float(state["travel"]) * view.y_scale)
         top = mass - MASS_HEIGHT
@@ -151,9 +160,9 @@ class TerrainRidePainter(Painter):
             stiff, hard = 0.5, 0.2
         canvas.line([(x, y - WHEEL), (x, carrier)], INK, 4.0)
         canvas.line([(x - 26.0, carrier), (x + 26.0, carrier)], INK, 4.0)
-        canvas.disc((x, y - WHEEL), WHEEL, INK)
+        canvas.disc((x, y - WHEEL), WHEEL, RED if tyre and state["airborne"] else INK)
         canvas.disc((x, y - WHEEL), 0.62 * WHEEL, PANEL)
-        angle = self._seen[1] * CONTROL_INTERVAL * p.speed * self.x_scale / WHEEL
+        angle = float(state["distance"]) * self.x_scale / WHEEL
         for k in range(3):
             dx, dy = (
                 0.6 * WHEEL * math.cos(angle + k * math.pi / 3.0),
@@ -220,6 +229,8 @@ class TerrainRidePainter(Painter):
         canvas.text(signed(f"{1e3 * travel:+.0f}"), (x + 23.0, y), colour, SMALL)
         if stop is not None:
             canvas.text(f"{int(state['hits'])} stop hits", (MARGIN, bottom + 14.0), GREY, SMALL)
+        if self.scene.options["tyre"] is not None:
+            canvas.text(f"{int(state['liftoffs'])} lift-offs", (MARGIN, bottom + 28.0), GREY, SMALL)
 
     def _settings(self, state: np.void) -> None:
         """What the actuators are set to, each on a scale between its limits."""
