@@ -31,8 +31,8 @@ def legs_of(history, dt):  # type: ignore[no-untyped-def]
     jumps = np.abs(errors_of(history[0], history[0]["demand"]))
     for begin, end in zip(starts, starts[1:], strict=False):
         first = history[begin]
-        # at the last instant the record has the next leg's demands already
-        last = first["demand"] + first["demand_rate"] * (first["next_change"] - begin * dt)
+        # at the last instant the record has the next leg's demands already, but is judged by this leg's
+        last = first["demand"] + first["demand_rate"] * (end - begin) * dt
         demands = [r["demand"] for r in history[begin:end]] + [last]
         errors = np.array([errors_of(r, d) for r, d in zip(history[begin : end + 1], demands, strict=True)])
         yield errors, jumps, first["demand_rate"] != 0.0

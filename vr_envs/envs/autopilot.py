@@ -87,6 +87,8 @@ def start(
         state.altitude, state.demand[1], state.heading = plan.altitude[0], plan.airspeed[0], wrap(plan.heading[0])
     state.speed = true_airspeed(state.altitude, state.demand[1], atmosphere)
     state.demand[0], state.demand[2] = state.altitude, state.heading
+    for channel in range(3):
+        state.demand_target[channel] = state.demand[channel]
     if turbulence is not None:
         start_gusts(state, START_DRAWS // 2 + 2, turbulence, track)
     if track is not None:

@@ -52,8 +52,12 @@ class DemandState(model.State):
 
 @kernel
 def demands_at(state, time):  # type: ignore[no-untyped-def]
-    """Bring the demands of the present leg to the time [s] since the start; at its end they stay."""
-    left = max(0.0, state.next_change - time)
+    """Bring the demands of the present leg to the time [s] since the start.
+
+    An interval in which the leg ends is flown and judged by it to its own end: nobody knows before that the demands
+    will change.
+    """
+    left = state.next_change - time
     for channel in range(3):
         if state.demand_rate[channel] != 0.0:
             state.demand[channel] = state.demand_target[channel] - state.demand_rate[channel] * left
@@ -86,15 +90,15 @@ def change_demands(state, params, envelope, atmosphere, demands):  # type: ignor
     hold = demands.hold_low + (demands.hold_high - demands.hold_low) * uniform(state.key, base)
     state.changes += 1
     state.next_change += hold
-    altitude = state.demand[0]
-    falling, rising = rate_limits(altitude, true_airspeed(altitude, state.demand[1], atmosphere), params, envelope)
+    altitude, measured = state.demand_target[0], state.demand_target[1]
+    falling, rising = rate_limits(altitude, true_airspeed(altitude, measured, atmosphere), params, envelope)
     share_of_true = airspeed(altitude, 1.0, atmosphere)
     units = (1.0, share_of_true, 1.0)
     lows = (params.altitude_low, params.speed_low, -math.inf)
     high = highest_airspeed(altitude, params, atmosphere)
     for channel in range(3):
         draw = base + 1 + 4 * channel
-        demand = state.demand[channel]
+        demand = state.demand_target[channel]
         limit = params.altitude_high if channel == 0 else (high if channel == 1 else math.inf)
         target = demand
         if uniform(state.key, draw) < demands.change:
@@ -107,10 +111,8 @@ def change_demands(state, params, envelope, atmosphere, demands):  # type: ignor
         target = min(target, limit)
         if channel == 0:
             high = min(high, highest_airspeed(target, params, atmosphere))
-        state.demand_target[channel] = target
-        if uniform(state.key, draw + 3) < demands.ramp:
-            state.demand_rate[channel] = (target - demand) / hold
-        else:
-            state.demand_rate[channel] = 0.0
-            state.demand[channel] = target
+        ramps = uniform(state.key, draw + 3) < demands.ramp
+        state.demand_rate[channel] = (target - demand) / hold if ramps else 0.0
+        state.demand[channel] = state.demand_target[channel] = target
+    state.demand_target[_HEADING] = wrap(state.demand_target[_HEADING])
     demands_at(state, state.steps * params.dt)
