@@ -56,7 +56,7 @@ def check(task, scene):
     except ValueError as error:
         assert "is not allowed" in str(error) or "; give" in str(error) or ": give" in str(error), error
         return False
-    policies = [law(world.scene) for law in laws_of(task).values()]
+    policies = [law(world.scene) for law in laws_of(task, world.scene).values()]
     for policy in policies:
         policy.reset(ROWS)
     walk(world, policies)

@@ -274,7 +274,8 @@ class TerrainRideEnv(ScalarEnv):
       `road` (`iso_class` "A" to "H" or "flat"), `profile` (heights, or the path of a CSV file), `bumps`, `obstacle`,
       `wheel` (of finite radius), `tyre`, `stop`, `payload`, `lag`, `cruise`, `preview` and `noise`, each null, true or
       a dict of its fields. docs/terrain_ride.md says what they are and which exclude each other.
-    - `engine`: "exact" (default), or "textbook" (the lecture's recurrence) where it knows the scene's options.
+    - `engine`: "exact" (default), "textbook" (the lecture's recurrence; it knows the lecture's vehicle alone), or
+      "rigid_body" (Chipmunk bodies; not in a batch).
     - `render_mode`: None, "rgb_array" or "human".
 
     ## Version History

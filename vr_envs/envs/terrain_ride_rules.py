@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from vr_envs.envs.scene import Scene
+from vr_envs.models.quarter_car import check_stiffness
 from vr_envs.models.road_options import RING, check_road
 
 
@@ -40,6 +41,8 @@ def validate(scene: Scene) -> None:
         raise ValueError("road = null is not allowed without an undulation; give one of the two")
     if options["tyre"] is None:
         _check_follower(scene)
+    else:
+        check_stiffness(p, options["tyre"], stop)
     _check_engine(scene)
 
 

@@ -19,7 +19,7 @@ import math
 from vr_envs.models.atmosphere import airspeed, sound_speed
 from vr_envs.models.autopilot_options import G
 from vr_envs.models.autopilot_textbook import fly_in_steps
-from vr_envs.models.clock import piece_of, to_next_tick
+from vr_envs.models.clock import SAME, piece_of, to_next_tick
 from vr_envs.models.ground_track import turn_with_lags, uniform_turn
 from vr_envs.models.jit import kernel
 from vr_envs.models.lag import clamped_lag
@@ -241,7 +241,7 @@ def advance(state, action, params, envelope, energy, lags, atmosphere, wind, she
     """
     altitude, speed, heading = state.altitude, state.speed, state.heading
     left = params.dt
-    while left > 0.0:
+    while left > SAME:
         piece = left
         if _renewing(envelope, energy, shear):
             if state.time_to_refresh <= 0.0:

@@ -13,8 +13,11 @@ SAME = 1e-9
 
 @kernel
 def piece_of(left: float, to_tick: float) -> float:
-    """How much of the time `left` [s] passes before the next tick, which is `to_tick` [s] away; all, if they meet."""
-    return left if left <= to_tick + SAME else to_tick
+    """How much of the time `left` > `SAME` [s] passes before the next tick, which is `to_tick` [s] away.
+
+    If they meet, the tick's instant counts: the pieces from tick to tick add up to the period, however time is split.
+    """
+    return left if left < to_tick - SAME else to_tick
 
 
 @kernel

@@ -21,6 +21,7 @@ at once; in the others the first one is found by the certified march of `root.ce
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from vr_envs.models.jit import kernel
 from vr_envs.models.ride_options import G
@@ -31,6 +32,7 @@ from vr_envs.models.travel_stop import MAX_CONTACTS, RESOLUTION
 LONGEST = 1.5  # longest step, in units of 1 over the norm of the system
 REST = 2.0**-60  # what the terms left out come to, against those kept
 MAX_MARCH = 1000  # steps of one search
+STIFFEST = 1e5  # 1/s, largest norm of a scene's system
 STILL = 1e-13  # m/s: a slower passage of a limit lasts less than rounding shows
 NOTHING, TYRE, STOP = 0, 1, 2  # kinds of contact
 
@@ -54,6 +56,25 @@ def norm_of(gamma, w2, ratio, grip):
     The springs are skew there, a matrix with these squares summed, and the damper has one eigenvalue.
     """
     return math.sqrt(w2 * (1.0 + ratio) + grip) + gamma * (1.0 + ratio)
+
+
+def check_stiffness(params: Any, tyre: Any, stop: Any) -> None:
+    """Refuse a vehicle so stiff that its ride would take more than some hundred steps in a tick.
+
+    Args: the records' dataclasses; `stop` may be None.
+
+    Raises:
+        ValueError: its fastest motion, at the ends of the actuators' ranges, is beyond `STIFFEST`.
+    """
+    gamma, modulus = (params.passive_damping, 1.0) if params.active else (params.damping_high, params.modulus_high)
+    w2 = params.w2 * modulus + (0.0 if stop is None else stop.rate / params.mass)
+    norm = norm_of.py_func(gamma, w2, params.mass / tyre.unsprung_mass, tyre.rate / tyre.unsprung_mass)
+    if norm > STIFFEST:
+        raise ValueError(
+            f"tyre.unsprung_mass = {tyre.unsprung_mass:g} is not allowed with these springs and dampers: they move it "
+            f"at up to {norm:.3g} 1/s, and at most {STIFFEST:g} 1/s is; give a heavier wheel, less damping_high, or "
+            "softer springs"
+        )
 
 
 @kernel
@@ -98,6 +119,22 @@ def _road_rates(state, t, slope, speed, acceleration, undulation):
 
 
 @kernel
+def _next_waves(part, now, before, numbers, speed, change):
+    """Terms of exp(i phase) one order on, and the present ones times the rate of the phase, all per wave."""
+    a = numbers[0] * (speed * now[0] + change * before[0])
+    b = numbers[1] * (speed * now[1] + change * before[1])
+    c = numbers[2] * (speed * now[2] + change * before[2])
+    return (
+        (
+            complex(-part * a.imag, part * a.real),
+            complex(-part * b.imag, part * b.real),
+            complex(-part * c.imag, part * c.real),
+        ),
+        (a.real, b.real, c.real),
+    )
+
+
+@kernel
 def flow(state, h, norm, system, slope, speed, acceleration, undulation):
     """x after the time h [s] in one regime, and what its terms say of travel and deflection on the way there.
 
@@ -110,27 +147,19 @@ def flow(state, h, norm, system, slope, speed, acceleration, undulation):
     low_a, high_a, fall_a, rise_a, jerk_a = a, a, 0.0, 0.0, 0.0
     low_c, high_c, fall_c, rise_c, jerk_c = c, c, 0.0, 0.0, 0.0
     climb, change = slope * speed, slope * acceleration * h
+    amplitudes = numbers = (0.0, 0.0, 0.0)
+    now = before = (0j, 0j, 0j)
     if undulation is not None:
         amplitudes, numbers, now = _waves(state, undulation)
-        before = (0j, 0j, 0j)
     rest, order = 1.0, 0.0
     while rest > REST:
         order += 1.0
         part = h / order
         rest *= norm * part
         if undulation is not None:
-            x = numbers[0] * (speed * now[0] + acceleration * h * before[0])
-            y = numbers[1] * (speed * now[1] + acceleration * h * before[1])
-            z = numbers[2] * (speed * now[2] + acceleration * h * before[2])
-            climb += amplitudes[0] * x.real + amplitudes[1] * y.real + amplitudes[2] * z.real
-            before, now = (
-                now,
-                (
-                    complex(-part * x.imag, part * x.real),
-                    complex(-part * y.imag, part * y.real),
-                    complex(-part * z.imag, part * z.real),
-                ),
-            )
+            after, rates = _next_waves(part, now, before, numbers, speed, acceleration * h)
+            climb += amplitudes[0] * rates[0] + amplitudes[1] * rates[1] + amplitudes[2] * rates[2]
+            now, before = after, now
         a, b, c, d = (
             part * (b - d),
             part * ((push - w2 * a) - (gamma * b - pull * d)),
@@ -176,13 +205,12 @@ def _free_of_contact(state, travels, deflections, limit, stop):
 def _step_to(side, value, slope, second, bounds):
     """A step over which side times a quantity stays positive: from its value, its derivatives and their bounds."""
     value, slope, second = max(0.0, side * value), side * slope, side * second
-    curvature = -bounds[2] if side > 0.0 else bounds[3]
     if value == 0.0 and abs(slope) < STILL:
         # it touches the limit: the acceleration, which is the same on both sides, decides
-        if second == 0.0:
-            return math.inf
-        slope = 0.0
-    return certified_step(value, slope, second, bounds[4], curvature)
+        if second <= 0.0:
+            return 0.0 if second < 0.0 else math.inf
+        return 3.0 * second / bounds[4]
+    return certified_step(value, slope, second, bounds[4], abs(bounds[2] if side > 0.0 else bounds[3]))
 
 
 @kernel
@@ -203,10 +231,9 @@ def _first_contact(state, h, norm, system, slope, speed, acceleration, travels, 
                 other = min(below, _step_to(1.0, a + stop.travel, b - d, second, travels))
             else:
                 other = _step_to(state.side, a - state.side * stop.travel, b - d, second, travels)
-            # not other >= ...: a step that is no number is a touch at rest
-            if not other >= step:
+            if other < step:
                 step, kind = other, STOP
-        if not step > RESOLUTION:
+        if step <= RESOLUTION:
             return elapsed, kind
         elapsed += step
         if elapsed >= h:

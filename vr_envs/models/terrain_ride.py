@@ -15,7 +15,7 @@ from __future__ import annotations
 import dataclasses
 import math
 
-from vr_envs.models.clock import piece_of, to_next_tick
+from vr_envs.models.clock import SAME, piece_of, to_next_tick
 from vr_envs.models.cruise import acceleration_to, commanded_speed, time_to_cover
 from vr_envs.models.follower import enter_sines, follow, leave_sines
 from vr_envs.models.jit import kernel
@@ -246,7 +246,7 @@ def advance(
     if textbook is not None:
         step = step_of(params, textbook)
     to_step = step
-    while left > 0.0:
+    while left > SAME:
         if state.time_to_tick == 0.0:
             begin_tick(state, action, lag, cruise)
         piece = piece_of(left, state.time_to_tick)

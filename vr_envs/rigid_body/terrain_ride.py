@@ -34,7 +34,7 @@ import pymunk
 from pymunk.constraints import DampedSpring, GrooveJoint, SlideJoint
 
 from vr_envs.envs.scene import Scene
-from vr_envs.models.clock import piece_of, to_next_tick
+from vr_envs.models.clock import SAME, piece_of, to_next_tick
 from vr_envs.models.cruise import acceleration_to, commanded_speed
 from vr_envs.models.quarter_car import lift_off
 from vr_envs.models.ride_options import G
@@ -76,7 +76,7 @@ class TerrainRideSimulator:
         left, target = self.scene.params.dt, self.scene.params.speed
         if cruise is not None:
             target = commanded_speed(action[-1], cruise)
-        while left > 0.0:
+        while left > SAME:
             if state["time_to_tick"] == 0.0:
                 begin_tick(state, action, lag, cruise)
             piece = piece_of(left, state["time_to_tick"])
