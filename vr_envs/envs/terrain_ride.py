@@ -96,9 +96,11 @@ def outcome(
         reward /= 1.0 + late * late
     ended = False
     if stop is not None:
-        if state.side != 0.0 or state.touches > 0 or state.fault:
+        if state.side != 0.0 or state.touches > 0:
             reward = 0.0
-        ended = abs(state.travel) > stop.travel + stop.crush or state.fault != 0
+        ended = abs(state.travel) > stop.travel + stop.crush
+    if state.fault:
+        reward, ended = 0.0, True
     return reward, ended
 
 
@@ -260,7 +262,7 @@ class TerrainRideEnv(ScalarEnv):
     ## Episode End
     Terminated when, at a control instant, a stop's rubber is compressed by more than 15 mm (a compression that comes
     and goes within one interval does not count), or when a search for contacts does not end (`fault`); never without
-    a stop. Truncated after 1000 steps by the registered time limit.
+    stop and tyre. Truncated after 1000 steps by the registered time limit.
 
     At the end `info` holds `is_success` (no stop hit, rms acceleration below `comfort` and rms travel below `rattle`),
     `acceleration_rms_m_s2` (weighted), `unweighted_rms_m_s2`, `vdv_m_s175` (vibration dose), `jerk_rms_m_s3`,
