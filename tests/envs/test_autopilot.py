@@ -128,6 +128,16 @@ def test_errors_beyond_the_scale_are_clipped_to_the_box() -> None:
     assert read(observation[None], env.world.scene).error[0, 0] == pytest.approx(SPAN[0], rel=1e-12)
 
 
+def test_a_state_that_turns_faster_than_any_scene_allows_is_refused() -> None:
+    """Its ground track would be integrated over as many pieces as it turns radians."""
+    env = AutopilotEnv("lecture")
+    env.reset(seed=0)
+    state = env.get_state()
+    state["turn_rate"] = 1e12
+    with pytest.raises(ValueError, match="'turn_rate' is not in .-2, 2.; give what get_state"):
+        env.set_state(state)
+
+
 def test_actions_for_undoes_the_scaling_of_the_action() -> None:
     world, observations = started({"lags": None, "turbulence": None, "energy": None}, 32)
     reading = read(observations, world.scene)

@@ -71,7 +71,7 @@ class State:
     heading: float = quantity(0.0, "rad", "heading in [-pi, pi), from z towards x")
     vertical_speed: float = quantity(0.0, "m/s", "climb rate through the air")
     acceleration: float = quantity(0.0, "m/s^2", "acceleration along the path")
-    turn_rate: float = quantity(0.0, "rad/s", "turn rate")
+    turn_rate: float = quantity(0.0, "rad/s", "turn rate", low=-2.0, high=2.0)
     time_to_refresh: float = quantity(0.0, "s", "time to the next renewal of the limits; 0: now", low=0.0)
     climb_limit: float = quantity(0.0, "m/s", "largest climb rate at the last renewal", low=0.0)
     turn_limit: float = quantity(0.0, "rad/s", "largest turn rate at the last renewal", low=0.0)
