@@ -181,6 +181,11 @@ def test_metrics_are_means_over_the_episode(offset, inside) -> None:
             {"altitude_high": 18000.0, "ceiling": 20000.0},
             "speed_low = 75 .*be below the airspeed of atm",
         ),
+        # a demand at the edge of the envelope would have to be missed
+        ({"altitude_high": 13000.0}, "altitude_high = 13000 .*be below ceiling = 13000"),
+        ({"speed_high": 185.0}, "speed_high = 185 .*be below top_speed = 185"),
+        ({"atmosphere": {"mach_high": 0.9}}, "mach_high = 0.9 .*be below atmosphere.top_mach = 0.86"),
+        ({"altitude_low": 0.0}, "altitude_low = 0"),
         ({"demands": {"hold_low": 2.0}, "dt": 5.0}, "dt = 5 .*not exceed demands.hold_low = 2"),
         ({"speed_low": 50.0}, "stall_speed = 60 .*speed_low = 50"),
         ({"demands": {"hold_low": 200.0}}, "hold_low = 200 .*hold_high = 120"),

@@ -49,7 +49,7 @@ class Params:
     acceleration: float = quantity(0.6, "m/s^2", "largest acceleration", low=0.01, high=10.0)
     deceleration: float = quantity(0.6, "m/s^2", "largest deceleration", low=0.01, high=10.0)
     turn: float = quantity(math.radians(3.0), "rad/s", "largest turn rate (the standard 3 deg/s)", low=1e-3, high=1.0)
-    altitude_low: float = quantity(300.0, "m", "lowest altitude in operation", low=0.0, high=2e4)
+    altitude_low: float = quantity(300.0, "m", "lowest altitude in operation", low=1.0, high=2e4)
     altitude_high: float = quantity(11000.0, "m", "highest altitude in operation", low=0.0, high=2e4)
     speed_low: float = quantity(75.0, "m/s", "lowest airspeed in operation", low=10.0, high=600.0)
     speed_high: float = quantity(250.0, "m/s", "highest airspeed in operation", low=10.0, high=600.0)
