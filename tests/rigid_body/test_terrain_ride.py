@@ -196,3 +196,28 @@ def test_the_textbook_engine_knows_the_lecture_alone():
 def test_a_disc_over_sines_is_refused():
     with pytest.raises(ValueError, match=r"wheel = .* over an undulation with the engine 'rigid_body'"):
         resolve(TASK, {"wheel": True, "undulation": True, "stop": None}, "rigid_body")
+
+
+@pytest.mark.parametrize(
+    ("engine", "scene"),
+    [
+        ("rigid_body", {"mass": 1.0, "spring_rate": 1e7, "rigid_body": {"step": 1e-3}}),
+        ("rigid_body", {"tyre": {"unsprung_mass": 0.1, "rate": 1e8}}),
+        ("textbook", {"base": "lecture", "dt": 1.0, "textbook": {"step": 0.5}}),
+        ("textbook", {"base": "lecture", "dt": 1.0, "spring_rate": 1e7}),
+    ],
+    ids=str,
+)
+def test_a_step_that_may_be_unstable_is_refused(engine, scene):
+    with pytest.raises(ValueError, match=rf"{engine}\.step = .* stable below .*give a smaller {engine}\.step"):
+        resolve(TASK, scene, engine)
+
+
+def test_the_longest_step_allowed_is_stable():
+    """A stiff car on a level road comes to rest."""
+    scene = {"tyre": {"rate": 1e8}, "stop": {"rate": 1.0}, "spring_rate": 5e5, "modulus_high": 1.0, **UNLOADED, **LEVEL}
+    p, unsprung = world(**scene).scene.params, 59.0
+    step = 0.999 / math.sqrt(p.w2 + 1.0 / p.mass + (p.spring_rate + 1.0 + 1e8) / unsprung)
+    assert step > 1e-4
+    rows = moved(world(step, **scene), 200, action=np.array([1.0, 1.0]), velocity=0.1)
+    assert np.abs(rows["velocity"][-20:]).max() < 0.01 * np.abs(rows["velocity"][:20]).max()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import ClassVar
 
 import numpy as np
@@ -50,7 +49,7 @@ def settings(position: np.ndarray, scene: Scene) -> tuple[np.ndarray, np.ndarray
 
 def away_from_zero(values: np.ndarray, least: float) -> np.ndarray:
     """`values`, those smaller than `least` replaced by it: something to divide by."""
-    return np.where(np.abs(values) < least, math.copysign(least, 1.0), values)
+    return np.where(np.abs(values) < least, least, values)
 
 
 def serves_damper(scene: Scene) -> bool:

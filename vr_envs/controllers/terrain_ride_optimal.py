@@ -85,7 +85,7 @@ class OptimalRide(RideLaw):
         travel = self.gains["travel"] * (p.comfort / p.rattle) ** 2
         self.gain, self.ahead = optimal_feedback(self.plant, travel, self.gains["tyre"], p.dt, samples, delay)
         self.times = p.dt * np.arange(samples + 1)
-        self.motion = transition(self.plant, self.gains.get("lead", p.dt))
+        self.motion = transition(self.plant, self.gains.get("lead", float(p.dt)))
         self.observer = LoadObserver(scene, self.gains["load"])
 
     def reset(self, n: int) -> None:

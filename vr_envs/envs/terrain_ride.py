@@ -37,6 +37,7 @@ _PAYLOAD_DRAW = 1 << 49
 QUARTER_CAR: dict[str, Any] = {
     "damping_low": 1.0,
     "damping_high": 14.0,
+    "comfort": 1.5,
     "tyre": True,
     "road": {"knot_spacing": 0.1},
     "bumps": True,
@@ -246,9 +247,10 @@ class TerrainRideEnv(ScalarEnv):
     `vr_envs.envs.terrain_ride_observation.read` turns a batch back into SI units.
 
     ## Rewards
-    1 / (1 + (a / 1 m/s^2)^2 + (u / 30 mm)^2) at the end of the interval, with the weighted acceleration a and the
-    travel u: 1 is perfect. 0 for an interval with a stop in contact. The load of a tyre is measured, not rewarded.
-    With a schedule, times 1 / (1 + (distance behind it / 5 m)^2); being early earns nothing.
+    1 / (1 + (a / comfort)^2 + (u / rattle)^2) at the end of the interval, with the weighted acceleration a and the
+    travel u: 1 is perfect. `rattle` is 30 mm, `comfort` 1 m/s^2, in "quarter-car" and "active" 1.5 m/s^2. 0 for an
+    interval with a stop in contact. The load of a tyre is measured, not rewarded. With a schedule, times
+    1 / (1 + (distance behind it / 5 m)^2); being early earns nothing.
 
     ## Starting State
     The mass at rest at the equilibrium that its payload gives, actuators at 0. Drawn for the episode: the payload,
@@ -260,7 +262,7 @@ class TerrainRideEnv(ScalarEnv):
     and goes within one interval does not count), or when a search for contacts does not end (`fault`); never without
     a stop. Truncated after 1000 steps by the registered time limit.
 
-    At the end `info` holds `is_success` (no stop hit, rms acceleration below 1 m/s^2 and rms travel below 30 mm),
+    At the end `info` holds `is_success` (no stop hit, rms acceleration below `comfort` and rms travel below `rattle`),
     `acceleration_rms_m_s2` (weighted), `unweighted_rms_m_s2`, `vdv_m_s175` (vibration dose), `jerk_rms_m_s3`,
     `travel_rms_mm`, `travel_peak_mm`, `stop_hits`, `force_rms_n` (of damper or force), `tyre_load_rms` (dynamic over
     static) and `airborne_fraction` (both 0 without a tyre), `mean_speed_m_s`, `lateness_m` and `fault`.
@@ -274,7 +276,8 @@ class TerrainRideEnv(ScalarEnv):
       `road` (`iso_class` "A" to "H" or "flat"), `profile` (heights, or the path of a CSV file), `bumps`, `obstacle`,
       `wheel` (of finite radius), `tyre`, `stop`, `payload`, `lag`, `cruise`, `preview` and `noise`, each null, true or
       a dict of its fields. docs/terrain_ride.md says what they are and which exclude each other.
-    - `engine`: "exact" (default), or "textbook" (the lecture's recurrence) where it knows the scene's options.
+    - `engine`: "exact" (default), "textbook" (the lecture's recurrence; it knows the lecture's vehicle alone), or
+      "rigid_body" (Chipmunk bodies; not in a batch).
     - `render_mode`: None, "rgb_array" or "human".
 
     ## Version History

@@ -64,15 +64,39 @@ def _check_follower(scene: Scene) -> None:
 
 
 def _check_engine(scene: Scene) -> None:
-    """What the engine of the scene knows one by one but not together, or of the lecture alone."""
-    options = scene.options
-    if scene.engine == "textbook" and scene.params.relative:
+    """What the engine of the scene knows of the lecture alone, one by one but not together, or at short steps."""
+    p, options, step = scene.params, scene.options, _step_of(scene)
+    w2, gamma = (p.w2, p.passive_damping) if p.active else (p.w2 * p.modulus_high, p.damping_high)
+    if scene.engine == "textbook":
+        if p.relative:
+            raise ValueError(
+                "damping = 'relative' is not allowed with the engine 'textbook': the lecture's factor k_d damps the "
+                "mass's own velocity; give damping = 'absolute'"
+            )
+        longest = math.sqrt(2.0 * (1.0 + math.exp(-gamma * step)) / w2)
+    elif scene.engine == "rigid_body":
+        if options["wheel"] is not None and options["undulation"] is not None:
+            raise ValueError(
+                "wheel = {...} is not allowed over an undulation with the engine 'rigid_body', whose disc stands on a "
+                "road alone; give undulation = null, or wheel = null"
+            )
+        tyre, stop = options["tyre"], options["stop"]
+        springs = w2 + (0.0 if stop is None else stop.rate / p.mass)
+        if tyre is not None:
+            springs += (p.mass * springs + tyre.rate) / tyre.unsprung_mass
+        longest = 1.0 / math.sqrt(springs)  # half of the limit, for springs that act together
+    else:
+        return
+    if step >= longest:
         raise ValueError(
-            "damping = 'relative' is not allowed with the engine 'textbook': the lecture's factor k_d damps the mass's "
-            "own velocity; give damping = 'absolute'"
+            f"{scene.engine}.step = {step:g} s is not allowed: with the stiffest springs of this scene the engine is "
+            f"sure to be stable below {longest:.3g} s only; give a smaller {scene.engine}.step"
         )
-    if scene.engine == "rigid_body" and options["wheel"] is not None and options["undulation"] is not None:
-        raise ValueError(
-            "wheel = {...} is not allowed over an undulation with the engine 'rigid_body', whose disc stands on a road "
-            "alone; give undulation = null, or wheel = null"
-        )
+
+
+def _step_of(scene: Scene) -> float:
+    """The longest step (s) that the engine of the scene makes; 0 for the exact one, which makes none."""
+    if scene.engine == "textbook":
+        dt = scene.params.dt
+        return dt / math.ceil(dt / scene.options["textbook"].step - 1e-9)
+    return scene.simulators["rigid_body"].step if scene.engine == "rigid_body" else 0.0

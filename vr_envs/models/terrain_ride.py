@@ -246,10 +246,12 @@ def advance(
     if textbook is not None:
         step = step_of(params, textbook)
     to_step = step
+    to_tick = state.time_to_tick
     while left > SAME:
-        if state.time_to_tick == 0.0:
+        if to_tick == 0.0:
+            to_tick = TICK
             begin_tick(state, action, lag, cruise)
-        piece = piece_of(left, state.time_to_tick)
+        piece = piece_of(left, to_tick)
         gamma, w2, force = suspension(state, params)
         if textbook is None:
             ride(
@@ -264,6 +266,7 @@ def advance(
                 kick(state, step, rise, gamma, w2, force + state.payload, textbook)
                 rise = 0.0
         left -= piece
-        state.time_to_tick, ticked = to_next_tick(state.time_to_tick, piece, 0.0)
+        to_tick, ticked = to_next_tick(to_tick, piece, 0.0)
         if ticked:
             end_tick(state, gamma, params, tyre)
+    state.time_to_tick = to_tick
