@@ -128,6 +128,16 @@ def test_errors_beyond_the_scale_are_clipped_to_the_box() -> None:
     assert read(observation[None], env.world.scene).error[0, 0] == pytest.approx(SPAN[0], rel=1e-12)
 
 
+def test_a_state_that_turns_faster_than_any_scene_allows_is_refused() -> None:
+    """Its ground track would be integrated over as many pieces as it turns radians."""
+    env = AutopilotEnv("lecture")
+    env.reset(seed=0)
+    state = env.get_state()
+    state["turn_rate"] = 1e12
+    with pytest.raises(ValueError, match="'turn_rate' is not in .-2, 2.; give what get_state"):
+        env.set_state(state)
+
+
 def test_actions_for_undoes_the_scaling_of_the_action() -> None:
     world, observations = started({"lags": None, "turbulence": None, "energy": None}, 32)
     reading = read(observations, world.scene)
@@ -171,6 +181,11 @@ def test_metrics_are_means_over_the_episode(offset, inside) -> None:
             {"altitude_high": 18000.0, "ceiling": 20000.0},
             "speed_low = 75 .*be below the airspeed of atm",
         ),
+        # a demand at the edge of the envelope would have to be missed
+        ({"altitude_high": 13000.0}, "altitude_high = 13000 .*be below ceiling = 13000"),
+        ({"speed_high": 185.0}, "speed_high = 185 .*be below top_speed = 185"),
+        ({"atmosphere": {"mach_high": 0.9}}, "mach_high = 0.9 .*be below atmosphere.top_mach = 0.86"),
+        ({"altitude_low": 0.0}, "altitude_low = 0"),
         ({"demands": {"hold_low": 2.0}, "dt": 5.0}, "dt = 5 .*not exceed demands.hold_low = 2"),
         ({"speed_low": 50.0}, "stall_speed = 60 .*speed_low = 50"),
         ({"demands": {"hold_low": 200.0}}, "hold_low = 200 .*hold_high = 120"),

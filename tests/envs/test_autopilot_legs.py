@@ -105,6 +105,27 @@ def test_a_leg_without_an_end_counts_when_the_episode_ends() -> None:
     assert not env.metrics()["is_success"] and env.metrics()["legs_held"] == 0.5
 
 
+def test_steady_error_of_a_leg_without_an_end_is_that_of_its_last_10_to_20_seconds() -> None:
+    env = plan_env()
+    env.reset(seed=0)
+    for _ in range(50):
+        env.step(np.zeros(3))
+    for _ in range(23):  # 1.3 m more in every step; the tail of the other leg has no error
+        env.step([0.1, 0.0, 0.0])
+    assert env.metrics()["altitude_steady_error_m"] == pytest.approx(0.5 * 1.3 * np.arange(11, 24).mean(), rel=1e-12)
+
+
+def test_steady_error_of_a_leg_that_ends_at_once_with_the_aircraft_is_that_of_all_of_it() -> None:
+    env = plan_env(time=[0.0, 95.0])
+    env.reset(seed=0)
+    state = env.get_state()
+    state["altitude"] = 12.0
+    env.set_state(state)
+    env.step([-1.0, 0.0, 0.0])
+    *_, info = env.step([-1.0, 0.0, 0.0])
+    assert info["left_envelope"] and info["altitude_steady_error_m"] == pytest.approx(0.5 * (998.0 + 1008.0))
+
+
 def test_leaving_the_envelope_fails_the_leg_with_its_whole_length() -> None:
     env = plan_env(time=[0.0, 300.0], altitude=[1000.0, 1000.0])
     env.reset(seed=0)

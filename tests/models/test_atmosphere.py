@@ -2,6 +2,8 @@
 
 import math
 
+import mpmath
+import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
@@ -50,6 +52,14 @@ def test_equivalent_airspeed_has_the_same_dynamic_pressure(altitude: float) -> N
     measured = air.airspeed(altitude, 200.0, OPTION)
     assert air.density(0.0) * measured**2 == pytest.approx(air.density(altitude) * 200.0**2, rel=1e-14)
     assert air.true_airspeed(altitude, measured, OPTION) == pytest.approx(200.0, rel=1e-15)
+
+
+def test_equivalent_airspeed_is_exact_to_rounding_from_below_the_ground_to_the_tropopause() -> None:
+    with mpmath.workdps(40):
+        gravity, lapse, gas, sea = (mpmath.mpf(v) for v in (9.80665, 0.0065, 287.05287, 288.15))
+        for altitude in (*np.linspace(-600.0, 11000.0, 400), -1e-9, 0.0, 1e-9):
+            expected = (1 - lapse * mpmath.mpf(altitude) / sea) ** ((gravity / (lapse * gas) - 1) / 2)
+            assert abs(air.equivalent_share(altitude) / expected - 1) < 1e-15, altitude
 
 
 def test_without_an_atmosphere_the_airspeed_is_the_true_one() -> None:

@@ -62,6 +62,7 @@ def test_going_back_starts_afresh(env_id):
     assert artist.draw(other).tobytes() == painter(task_of(env_id).name, resolved, "rgb_array").draw(other).tobytes()
 
 
+@pytest.mark.filterwarnings("error::RuntimeWarning")
 @pytest.mark.parametrize(
     ("env_id", "field", "value"),
     [
@@ -70,6 +71,7 @@ def test_going_back_starts_afresh(env_id):
         ("BallOnBar-v0", "lost", True),
         ("Autopilot-v1", "turn_rate", -0.05),
         ("Autopilot-v1", "vertical_speed", 300.0),
+        ("Autopilot-v1", "speed", 0.0),
         ("Autopilot-v1", "lost", True),
         ("TerrainRide-v0", "travel", -0.2),
         ("TerrainRide-v0", "travel", 0.2),

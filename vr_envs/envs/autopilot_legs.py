@@ -6,7 +6,8 @@ than its band from its value. With r = error / error at the leg's start, at the 
 * rise: time from r <= 0.9 to r <= 0.1; settling: time after which the error stays in band; where that never happens
   in the leg, the length of the leg counts;
 * overshoot: the largest -r;
-* steady error: mean |error| over the last 10 s of every judged leg;
+* steady error: mean |error| over the last 10 s of every judged leg; of one that has no end or ends with the loss of the
+  aircraft, which nobody knows beforehand, over its last 10 to 20 s, or all of it;
 * a leg is held if all three channels are in band at every instant of its last 10 s.
 
 A leg counts when the demands change, and also when the aircraft leaves the envelope in it: with its whole length, not
@@ -42,6 +43,7 @@ class LegState(DemandState):
     held: int = quantity(0, "", "steps for which all three errors have been within the band", low=0)
     tail_left: int = quantity(0, "", "steps until the sums of the tail begin anew", low=0)
     tail_sum: float = quantity(0.0, "m, m/s, rad", "sum of |error| in the tail", shape=(3,))
+    tail_before: float = quantity(0.0, "m, m/s, rad", "`tail_sum` when it began anew", shape=(3,))
     legs: int = quantity(0, "", "legs judged", low=0)
     legs_held: int = quantity(0, "", "of which held", low=0)
     responses: int = quantity(0, "", "steps of the demand answered in judged legs", low=0, shape=(3,))
@@ -77,17 +79,17 @@ def begin_leg(state, params, errors, jumps):  # type: ignore[no-untyped-def]
         state.per_start[channel] = 1.0 / errors[channel] if step else 0.0
         state.lowest[channel] = 1.0
         state.rising[channel] = state.outside[channel] = 0
-        state.tail_sum[channel] = 0.0
+        state.tail_sum[channel] = state.tail_before[channel] = 0.0
 
 
 @kernel
 def watch_leg(state, params, errors, inside):  # type: ignore[no-untyped-def]
     """Take the errors (3) at the end of an interval; `inside`: all of them are within the band."""
     state.held = state.held + 1 if inside else 0
-    keep = 1.0
     if state.tail_left == 0:
         state.tail_left = tail_steps(params)
-        keep = 0.0
+        for channel in range(3):
+            state.tail_before[channel], state.tail_sum[channel] = state.tail_sum[channel], 0.0
     state.tail_left -= 1
     flown = state.steps - state.leg_start
     if abs(errors[2]) > BEHIND and errors[2] * state.per_start[2] < 0.0:
@@ -99,7 +101,7 @@ def watch_leg(state, params, errors, inside):  # type: ignore[no-untyped-def]
         state.lowest[channel] = lowest
         state.rising[channel] += (lowest > RISE_TO) & (lowest <= RISE_FROM)
         state.outside[channel] = flown if size > BAND[channel] else state.outside[channel]
-        state.tail_sum[channel] = keep * state.tail_sum[channel] + size
+        state.tail_sum[channel] += size
 
 
 @kernel
@@ -111,9 +113,12 @@ def finish_leg(state, params):  # type: ignore[no-untyped-def]
         return
     state.legs += 1
     state.legs_held += not state.lost and state.held >= tail_steps(params)
-    per_tail = 1.0 / max(1, tail_steps(params) - state.tail_left)
+    tail, before = tail_steps(params) - state.tail_left, 0.0
+    if state.tail_left > 0:
+        tail, before = tail + tail_steps(params), 1.0
+    per_tail = 1.0 / max(1, min(flown, tail))
     for channel in range(3):
-        state.steady_sum[channel] += state.tail_sum[channel] * per_tail
+        state.steady_sum[channel] += (state.tail_sum[channel] + before * state.tail_before[channel]) * per_tail
         if state.per_start[channel] != 0.0:
             lowest, outside = state.lowest[channel], state.outside[channel]
             settled = not state.lost and outside < flown

@@ -63,15 +63,18 @@ def validate(scene: Scene) -> None:
     p, demands = scene.params, scene.options["demands"]
     orders = [
         ("altitude_low", p.altitude_low, "altitude_high", p.altitude_high, False),
-        ("altitude_high", p.altitude_high, "ceiling", p.ceiling, False),
+        ("altitude_high", p.altitude_high, "ceiling", p.ceiling, True),
         ("stall_speed", p.stall_speed, "top_speed", p.top_speed, True),
         ("stall_speed", p.stall_speed, "speed_low", p.speed_low, False),
         ("speed_low", p.speed_low, "speed_high", p.speed_high, False),
-        ("speed_high", p.speed_high, "top_speed", p.top_speed, False),
+        ("speed_high", p.speed_high, "top_speed", p.top_speed, True),
     ]
     if (atmosphere := scene.options["atmosphere"]) is not None:
         top = airspeed_of_mach(atmosphere.mach_high, p.altitude_high)
-        orders += [("speed_low", p.speed_low, "the airspeed of atmosphere.mach_high at altitude_high", top, True)]
+        orders += [
+            ("speed_low", p.speed_low, "the airspeed of atmosphere.mach_high at altitude_high", top, True),
+            ("atmosphere.mach_high", atmosphere.mach_high, "atmosphere.top_mach", atmosphere.top_mach, True),
+        ]
     if demands is not None:
         orders += [
             ("dt", p.dt, "demands.hold_low", demands.hold_low, False),

@@ -27,6 +27,23 @@ _SHARE_LAPSE = 0.5 * (_EXPONENT - 1.0) * LAPSE  # K/m: times 1 / T the decay of 
 _TOP_ROOT = math.sqrt(_TOP_PRESSURE / (GAS_CONSTANT * _TOP_TEMPERATURE) / SEA_LEVEL_DENSITY)
 
 
+def _share_series(terms: int) -> tuple[tuple[float, float], ...]:
+    """Taylor coefficients of `equivalent_share` about the middle of the lower layer, in units of half its height.
+
+    Pairs of an even and an odd order, highest first; `terms` is even. From the layer's middle to its ends temperature
+    changes by 14 %, so the coefficients fall by that factor or faster and 14 of them reach rounding.
+    """
+    middle = 1.0 - 0.5 * LAPSE * TROPOPAUSE / SEA_LEVEL_TEMPERATURE
+    power = 0.5 * (_EXPONENT - 1.0)
+    row, ratio = [middle**power], -0.5 * LAPSE * TROPOPAUSE / (middle * SEA_LEVEL_TEMPERATURE)
+    for k in range(1, terms):
+        row.append(row[-1] * ratio * (power - k + 1) / k)
+    return tuple((row[k], row[k + 1]) for k in range(terms - 2, -1, -2))
+
+
+_SHARE = _share_series(14)
+
+
 @kernel
 def temperature(altitude: float) -> float:
     """Air temperature [K] at an altitude [m]."""
@@ -58,7 +75,14 @@ def equivalent_share(altitude: float) -> float:
     """Equivalent over true airspeed, sqrt(rho / rho0), at an altitude [m]."""
     if altitude > TROPOPAUSE:
         return _TOP_ROOT * math.exp(-0.5 * _PER_HEIGHT * (altitude - TROPOPAUSE))
-    return (temperature(altitude) / SEA_LEVEL_TEMPERATURE) ** (0.5 * (_EXPONENT - 1.0))
+    if altitude < 0.0:
+        return (temperature(altitude) / SEA_LEVEL_TEMPERATURE) ** (0.5 * (_EXPONENT - 1.0))
+    y = altitude * (2.0 / TROPOPAUSE) - 1.0  # a power is twice as slow as its series
+    square = y * y
+    even, odd = 0.0, 0.0
+    for a, b in _SHARE:
+        even, odd = even * square + a, odd * square + b
+    return even + y * odd
 
 
 @kernel

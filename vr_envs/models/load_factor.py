@@ -27,4 +27,5 @@ def bank(turn_rate: float, speed: float) -> float:
 @kernel
 def normal_load_factor(turn_rate: float, speed: float, vertical_acceleration: float) -> float:
     """Lift over weight, 1 in straight level flight; `vertical_acceleration`: rate of change of climb [m/s^2]."""
-    return math.hypot(1.0 + vertical_acceleration / G, turn_rate * speed / G)
+    up, across = 1.0 + vertical_acceleration / G, turn_rate * speed / G
+    return math.sqrt(up * up + across * across)

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vr_envs.models.atmosphere import airspeed
-from vr_envs.models.autopilot import G, wrap
+from vr_envs.models.autopilot import wrap
+from vr_envs.models.load_factor import bank
 from vr_envs.render.base import Painter
 from vr_envs.render.canvas import Box, Point
 from vr_envs.render.chart import History, Strip, fitted
@@ -109,12 +110,13 @@ class AutopilotPainter(Painter):
         self.canvas.text(f"demand {numbers[1]:.{digits}f}{gap}{unit}", (box.right, y), ORANGE, align="right")
 
     def _attitude(self, state: np.void) -> None:
-        """Climb angle, and the bank of a coordinated turn: tan(bank) = v turn rate / g."""
+        """Climb angle, its sine v_y / v, and the bank of a coordinated turn."""
         cx, cy = centre = (WIDTH - MARGIN - 84.0, 118.0)
-        climb = math.asin(max(-1.0, min(1.0, state["vertical_speed"] / state["speed"])))
-        bank = math.atan(state["speed"] * state["turn_rate"] / G)
+        rise, speed = float(state["vertical_speed"]), float(state["speed"])
+        climb = math.atan2(rise, math.sqrt(max(0.0, speed * speed - rise * rise)))
+        roll = bank(float(state["turn_rate"]), speed)
         # the sky's up, seen from the aircraft: y up
-        ux, uy = -math.sin(bank), math.cos(bank)
+        ux, uy = -math.sin(roll), math.cos(roll)
 
         def point(along: float, up: float) -> Point:
             return cx + along * uy + up * ux, cy + along * ux - up * uy
@@ -136,8 +138,8 @@ class AutopilotPainter(Painter):
         self.canvas.disc(centre, 2.5, INK)
         self.canvas.ring(centre, DIAL, GREY, 1.5)
         turn = math.degrees(state["turn_rate"])
-        self._note(cx, cy + DIAL + 14.0, f"climb {state['vertical_speed']:+.1f} m/s")
-        self._note(cx, cy + DIAL + 29.0, f"bank {math.degrees(bank):+.0f}\N{DEGREE SIGN}")
+        self._note(cx, cy + DIAL + 14.0, f"climb {rise:+.1f} m/s")
+        self._note(cx, cy + DIAL + 29.0, f"bank {math.degrees(roll):+.0f}\N{DEGREE SIGN}")
         self._note(cx, 354.0 + 14.0, f"turn {turn:+.1f} \N{DEGREE SIGN}/s")
 
     def _note(self, x: float, y: float, string: str) -> None:
