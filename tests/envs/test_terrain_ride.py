@@ -62,14 +62,15 @@ def test_more_contacts_than_can_be_followed_end_the_episode_as_a_fault():
     assert info["fault"] is True and not info["is_success"]
 
 
-def test_a_fault_ends_the_episode_without_a_stop_too():
-    env = TerrainRideEnv(scene={"base": "quarter-car", "stop": None})
+@pytest.mark.parametrize("stop", [None, {"crush": 10.0}])
+def test_a_fault_ends_the_episode_with_or_without_a_stop(stop):
+    env = TerrainRideEnv(scene={"base": "quarter-car", "stop": stop})
     env.reset(seed=0)
     state = env.get_state()
-    state["fault"] = 1
+    state["fault"] = True
     env.set_state(state)
     _, reward, terminated, _, info = env.step(np.zeros(2))
-    assert (reward, terminated, info["fault"]) == (0.0, True, True)
+    assert terminated and reward == 0.0 and info["fault"] and not info["is_success"]
 
 
 def test_episodes_of_the_default_scene_end_both_ways():

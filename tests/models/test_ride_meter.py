@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vr_envs.envs.terrain_ride import TerrainRideBatchEnv
+from vr_envs.envs.terrain_ride import TerrainRideBatchEnv, TerrainRideEnv
 from vr_envs.models.ride_options import G
 
 # without stops no episode ends
@@ -85,3 +85,14 @@ def test_a_ride_that_is_late_earns_less_and_the_meter_says_so():
     assert found["lateness_m"] == pytest.approx(late, rel=1e-12)
     assert found["mean_speed_m_s"] == pytest.approx(states["distance"] / (0.01 * (k + 1)), rel=1e-12)
     assert list(found)[:5] == ["is_success", "acceleration_rms_m_s2", "travel_rms_mm", "lateness_m", "stop_hits"]
+
+
+def test_a_tyre_that_is_never_down_is_off_the_ground_all_the_time_at_any_interval():
+    env = TerrainRideEnv(scene={"base": "quarter-car", "dt": 0.0037})
+    env.reset(seed=0)
+    state = env.get_state()
+    state["deflection"], state["airborne"] = 0.5, True
+    env.set_state(state)
+    for _ in range(5):
+        env.step(np.zeros(2))
+    assert env.world.metrics(np.arange(1))["airborne_fraction"] == pytest.approx(1.0, rel=1e-12)

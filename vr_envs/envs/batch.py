@@ -177,9 +177,10 @@ class BatchEnv(gym.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
     def _end_infos(self, done: np.ndarray) -> dict[str, Any]:
         """Metrics of the rows that ended, in the layout of `VectorEnv._add_info`."""
         infos: dict[str, Any] = {}
-        for name, values in self.world.metrics(np.flatnonzero(done)).items():
+        rows = np.flatnonzero(done)
+        for name, values in self.world.metrics(rows).items():
             column = np.zeros(self.num_envs, values.dtype)
-            column[done] = values
+            column[rows] = values
             infos[name], infos[f"_{name}"] = column, done.copy()
         return infos
 

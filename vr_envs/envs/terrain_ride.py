@@ -94,7 +94,7 @@ def outcome(
     if cruise is not None:
         late = max(0.0, lateness(state, params, cruise)) / cruise.lateness
         reward /= 1.0 + late * late
-    ended = False
+    ended = state.fault != 0
     if stop is not None:
         if state.side != 0.0 or state.touches > 0:
             reward = 0.0
@@ -112,7 +112,7 @@ def metrics(states: np.ndarray, scene: Scene) -> dict[str, np.ndarray]:
     end; is_success: no hit and no fault, weighted acceleration and travel below the values that halve the reward.
     """
     seconds = np.maximum(states["steps"], 1) * scene.params.dt
-    found = readings(states)
+    found = readings(states, seconds)
     found["stop_hits"] = states["hits"].copy()
     found["mean_speed_m_s"] = np.full(len(states), scene.params.speed)
     found["lateness_m"] = np.zeros(len(states))
@@ -261,8 +261,8 @@ class TerrainRideEnv(ScalarEnv):
 
     ## Episode End
     Terminated when, at a control instant, a stop's rubber is compressed by more than 15 mm (a compression that comes
-    and goes within one interval does not count), or when a search for contacts does not end (`fault`); never without
-    stop and tyre. Truncated after 1000 steps by the registered time limit.
+    and goes within one interval does not count), or when a search for contacts, of a stop or a tyre, does not end
+    (`fault`, reward 0). Truncated after 1000 steps by the registered time limit.
 
     At the end `info` holds `is_success` (no stop hit, rms acceleration below `comfort` and rms travel below `rattle`),
     `acceleration_rms_m_s2` (weighted), `unweighted_rms_m_s2`, `vdv_m_s175` (vibration dose), `jerk_rms_m_s3`,

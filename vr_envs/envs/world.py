@@ -131,7 +131,7 @@ class World:
 
     def metrics(self, rows: np.ndarray) -> dict[str, np.ndarray]:
         """Domain metrics of the given rows' episodes so far, one array per name."""
-        return dict(self.task.metrics(self.states[rows], self.scene))
+        return dict(self.task.metrics(self.states.take(rows), self.scene))
 
 
 def scenario_keys(options: Mapping[str, Any] | None, n: int) -> np.ndarray | None:

@@ -34,7 +34,8 @@ class MeterState:
 def sample(state, gamma, params, tyre):
     """Measure at the end of a tick: `state.acceleration` and `state.travel_rate` are the means over it.
 
-    The actuator's force is the one commanded, or the mean that a damper of `gamma` [1/s] gives over the tick.
+    The actuator's force is the one commanded, or that of a damper of `gamma` [1/s]: its mean over the tick, or, where
+    it acts on the mass's own velocity, what it is at the end.
     """
     state.ticks += 1
     state.weighted = weight(state.weighting, state.acceleration)
@@ -59,8 +60,8 @@ def sample(state, gamma, params, tyre):
         state.load_squares += load * load
 
 
-def readings(states: np.ndarray) -> dict[str, np.ndarray]:
-    """What the meter says of the rides so far, one value per record.
+def readings(states: np.ndarray, seconds: np.ndarray) -> dict[str, np.ndarray]:
+    """What the meter says of the rides so far, which took `seconds` [s], one value per record.
 
     acceleration_rms_m_s2: of the mass, weighted with Wk of ISO 2631-1; unweighted_rms_m_s2: without; vdv_m_s175: the
     vibration dose value of the weighted one, (integral of its fourth power)^(1/4); jerk_rms_m_s3: of the change of
@@ -79,7 +80,7 @@ def readings(states: np.ndarray) -> dict[str, np.ndarray]:
         "travel_rms_mm": 1e3 * rms("travel_squares"),
         "travel_peak_mm": 1e3 * states["travel_peak"],
         "tyre_load_rms": rms("load_squares"),
-        "airborne_fraction": states["airborne_time"] / (ticks * TICK),
+        "airborne_fraction": states["airborne_time"] / seconds,
         "unweighted_rms_m_s2": rms("acceleration_squares"),
         "vdv_m_s175": (states["weighted_fourths"] * TICK) ** 0.25,
         "jerk_rms_m_s3": rms("jump_squares") / TICK,
