@@ -19,7 +19,7 @@ import math
 from vr_envs.models.atmosphere import airspeed, sound_speed
 from vr_envs.models.autopilot_options import G
 from vr_envs.models.autopilot_textbook import fly_in_steps
-from vr_envs.models.clock import SAME, piece_of, to_next_tick
+from vr_envs.models.clock import MEET, left_after, piece_of, to_next_tick
 from vr_envs.models.ground_track import turn_with_lags, uniform_turn
 from vr_envs.models.jit import kernel
 from vr_envs.models.lag import clamped_lag
@@ -73,6 +73,7 @@ class State:
     acceleration: float = quantity(0.0, "m/s^2", "acceleration along the path")
     turn_rate: float = quantity(0.0, "rad/s", "turn rate", low=-2.0, high=2.0)
     time_to_refresh: float = quantity(0.0, "s", "time to the next renewal of the limits; 0: now", low=0.0)
+    owed: float = quantity(0.0, "s", "by which the last interval ended early", low=-2.0 * MEET, high=2.0 * MEET)
     climb_limit: float = quantity(0.0, "m/s", "largest climb rate at the last renewal", low=0.0)
     turn_limit: float = quantity(0.0, "rad/s", "largest turn rate at the last renewal", low=0.0)
     weight_per_speed: float = quantity(0.0, "1/s", "g / v at the last renewal, m/s^2 per m/s of climb", low=0.0)
@@ -240,17 +241,24 @@ def advance(state, action, params, envelope, energy, lags, atmosphere, wind, she
     `action`: vertical speed, acceleration and turn rate as fractions of their limits, each in [-1, 1].
     """
     altitude, speed, heading = state.altitude, state.speed, state.heading
-    left = params.dt
-    while left > SAME:
-        piece = left
-        if _renewing(envelope, energy, shear):
+    if not _renewing(envelope, energy, shear):
+        _hold(state, action, params, params.dt, envelope, energy, lags, wind, shear, track, textbook)
+    else:
+        total, to_tick = params.dt + state.owed, state.time_to_refresh
+        first, ticks = (to_tick if to_tick > 0.0 else params.refresh), 0
+        left = total
+        while left > MEET:
+            # renewed when flown on, so that what a gust does at the end of an interval counts
             if state.time_to_refresh <= 0.0:
                 renew_limits(state, params, envelope, energy)
             piece = piece_of(left, state.time_to_refresh)
-            # renewed when flown on, so that what a gust does at the end of an interval counts
-            state.time_to_refresh, _ = to_next_tick(state.time_to_refresh, piece, 0.0)
-        _hold(state, action, params, piece, envelope, energy, lags, wind, shear, track, textbook)
-        left -= piece
+            state.time_to_refresh, ticked = to_next_tick(state.time_to_refresh, piece, 0.0)
+            _hold(state, action, params, piece, envelope, energy, lags, wind, shear, track, textbook)
+            left -= piece
+            if ticked:
+                ticks += 1
+                left = left_after(total, first, ticks, params.refresh)
+        state.owed = left
     if turbulence is not None:
         blow(state, altitude, speed, heading, params.dt, turbulence, track)
 

@@ -15,7 +15,7 @@ from __future__ import annotations
 import dataclasses
 import math
 
-from vr_envs.models.clock import SAME, piece_of, to_next_tick
+from vr_envs.models.clock import MEET, left_after, piece_of, to_next_tick
 from vr_envs.models.cruise import acceleration_to, commanded_speed, time_to_cover
 from vr_envs.models.follower import enter_sines, follow, leave_sines
 from vr_envs.models.jit import kernel
@@ -101,6 +101,7 @@ class State(RoadState, MeterState):
     key: int = quantity(0, "", "episode key", kind="key")
     steps: int = quantity(0, "", "control intervals done", low=0)
     time_to_tick: float = quantity(0.0, "s", "until this tick ends; 0: one begins", low=0.0, high=TICK)
+    owed: float = quantity(0.0, "s", "by which the last interval ended early", low=-2.0 * MEET, high=2.0 * MEET)
     climb: float = quantity(0.0, "m", "height of the ground over that at the start, kept by the textbook engine")
     travel: float = quantity(0.0, "m", "u = zeta - r, or of the suspension of a quarter car")
     velocity: float = quantity(0.0, "m/s", "zeta', of the mass, up")
@@ -240,14 +241,15 @@ def advance(
     state.touches = 0
     if lag is None:
         actuate(state, action, lag, cruise)
-    left, target, step, rise = params.dt, params.speed, 0.0, 0.0
+    total, target, step, rise = params.dt + state.owed, params.speed, 0.0, 0.0
     if cruise is not None:
         target = commanded_speed(action[action.shape[0] - 1], cruise)
     if textbook is not None:
         step = step_of(params, textbook)
-    to_step = step
-    to_tick = state.time_to_tick
-    while left > SAME:
+    to_step, to_tick = step, state.time_to_tick
+    first, ticks = (to_tick if to_tick > 0.0 else TICK), 0
+    left = total
+    while left > MEET:
         if to_tick == 0.0:
             to_tick = TICK
             begin_tick(state, action, lag, cruise)
@@ -269,4 +271,6 @@ def advance(
         to_tick, ticked = to_next_tick(to_tick, piece, 0.0)
         if ticked:
             end_tick(state, gamma, params, tyre)
-    state.time_to_tick = to_tick
+            ticks += 1
+            left = left_after(total, first, ticks, TICK)
+    state.time_to_tick, state.owed = to_tick, left

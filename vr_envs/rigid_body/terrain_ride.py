@@ -34,10 +34,10 @@ import pymunk
 from pymunk.constraints import DampedSpring, GrooveJoint, SlideJoint
 
 from vr_envs.envs.scene import Scene
-from vr_envs.models.clock import SAME, piece_of, to_next_tick
+from vr_envs.models.clock import MEET, left_after, piece_of, to_next_tick
 from vr_envs.models.cruise import acceleration_to, commanded_speed
 from vr_envs.models.quarter_car import lift_off
-from vr_envs.models.ride_options import G
+from vr_envs.models.ride_options import TICK, G
 from vr_envs.models.terrain_ride import actuate, begin_tick, end_tick, suspension
 from vr_envs.rigid_body.ground import BareGround, Ground, Profiles
 
@@ -73,10 +73,11 @@ class TerrainRideSimulator:
         state["touches"] = 0
         if lag is None:
             actuate(state, action, lag, cruise)
-        left, target = self.scene.params.dt, self.scene.params.speed
+        total, target = self.scene.params.dt + float(state["owed"]), self.scene.params.speed
         if cruise is not None:
             target = commanded_speed(action[-1], cruise)
-        while left > SAME:
+        left, first, ticks = total, float(state["time_to_tick"]) or TICK, 0
+        while left > MEET:
             if state["time_to_tick"] == 0.0:
                 begin_tick(state, action, lag, cruise)
             piece = piece_of(left, state["time_to_tick"])
@@ -86,6 +87,9 @@ class TerrainRideSimulator:
             state["time_to_tick"], ticked = to_next_tick(state["time_to_tick"], piece, 0.0)
             if ticked:
                 end_tick(state, vehicle.gamma, self.params, tyre)
+                ticks += 1
+                left = left_after(total, first, ticks, TICK)
+        state["owed"] = left
 
     def ways(self, state: np.void, times: np.ndarray, target: float) -> np.ndarray:
         """How far (m) the wheel has come after the times (s), the last of which is where the record will be."""
