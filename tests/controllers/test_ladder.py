@@ -41,6 +41,7 @@ def test_a_tuned_preset_serves_the_scenes_based_on_it(toy):
     tuned_file(TASK).write_text(json.dumps(tuned))
     policies = ladder(TASK, resolve(TASK, {"base": "biased", "push": 1.0}))
     assert policies["proportional"].gain == 3.0
+    assert policies["proportional-untuned"].gain == 1.0
     assert policies["best-constant"].action == pytest.approx([-0.5])
     assert "best-constant" not in ladder(TASK, resolve(TASK, "plain"))
 

@@ -20,6 +20,7 @@ from vr_envs.envs.task import Task
 
 TUNED = Path(__file__).parent / "tuned"
 NOTHING, RANDOM, CONSTANT = "do-nothing", "random", "best-constant"
+UNTUNED = "-untuned"  # what follows the name of the documents' law with its default gains
 
 
 def baseline_of(task: Task) -> str:
@@ -62,8 +63,9 @@ def constant(task: Task, scene: Scene, gains: dict[str, float]) -> Constant:
 def ladder(task: Task, scene: Scene) -> dict[str, Policy]:
     """Every policy of `task` that needs no training, by name, weakest first.
 
-    A law has the gains tuned for the preset on which `scene` is based, or else its defaults. The best constant
-    action is present only where one was found for the action channels of this scene.
+    A law has the gains tuned for the preset on which `scene` is based, or else its defaults. Where the documents' law
+    was tuned, it is there with its defaults too, so that what tuning is worth can be seen. The best constant action is
+    present only where one was found for the action channels of this scene.
     """
     gains = gains_of(task, scene)
     channels = [c.name for c in task.action_channels(scene)]
@@ -74,5 +76,7 @@ def ladder(task: Task, scene: Scene) -> dict[str, Policy]:
     if list(gains.get(CONSTANT, ())) == channels:
         policies[CONSTANT] = constant(task, scene, gains[CONSTANT])
     for name, law in laws_of(task, scene).items():
+        if name in gains and name == baseline_of(task):
+            policies[name + UNTUNED] = law(scene)
         policies[name] = law(scene, **gains.get(name, {}))
     return policies
