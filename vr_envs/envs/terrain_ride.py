@@ -34,18 +34,22 @@ from vr_envs.models.travel_stop import TravelStop
 
 _PAYLOAD_DRAW = 1 << 49
 
-QUARTER_CAR: dict[str, Any] = {
-    "damping_low": 1.0,
-    "damping_high": 14.0,
-    "comfort": 1.5,
-    "tyre": True,
-    "road": {"knot_spacing": 0.1},
+ROAD: dict[str, Any] = {
+    "road": True,
     "bumps": True,
     "stop": True,
     "payload": True,
     "lag": True,
     "preview": True,
     "noise": True,
+}
+QUARTER_CAR: dict[str, Any] = {
+    **ROAD,
+    "damping_low": 1.0,
+    "damping_high": 14.0,
+    "comfort": 1.5,
+    "tyre": True,
+    "road": {"knot_spacing": 0.1},
 }
 
 
@@ -159,27 +163,14 @@ TASK = Task(
     },
     state=State,
     scenes={
-        "road": {
-            "road": True,
-            "bumps": True,
-            "stop": True,
-            "payload": True,
-            "lag": True,
-            "preview": True,
-            "noise": True,
-        },
+        "road": ROAD,
         "quarter-car": QUARTER_CAR,
         "active": {**QUARTER_CAR, "actuation": "active", "passive_damping": 3.0},
         "journey": {
+            **ROAD,
             "speed": 15.0,
             "cruise": {"fastest": 25.0, "schedule": 15.0},
-            "road": True,
-            "bumps": True,
-            "stop": True,
-            "payload": True,
-            "lag": True,
             "preview": {"horizon": 1.6, "samples": 20},
-            "noise": True,
         },
         "lecture": {"undulation": True, "damping": "absolute"},
     },
