@@ -176,7 +176,8 @@ def evaluate_ladder(
         n: number of scenarios, at least 2.
         seed: which held-out set.
         extra: more policies, by name, such as trained agents; shown last.
-        names: show these policies only; do-nothing and the baseline are run in any case, for the scale.
+        names: show these policies only, those of `extra` as well; do-nothing and the baseline are run in any case,
+            for the scale.
         progress: show a progress bar on stderr, where that is a terminal.
 
     Raises:
