@@ -61,7 +61,7 @@ def judge(history, dt):  # type: ignore[no-untyped-def]
             for name, value in zip(RATES, (rise * dt, settling * dt, 100.0 * max(0.0, -left[-1])), strict=True):
                 found[name][k].append(value)
     means = {name: [np.mean(v) if v else 0.0 for v in values] for name, values in found.items()}
-    return {**means, "steady": np.mean(steady, axis=0), "held": np.mean(held)}
+    return {**means, "steady": np.mean(steady, axis=0), "held": np.mean(held), "judged": len(held)}
 
 
 @pytest.mark.parametrize(("law", "dt"), [("square-root", 1.0), ("lecture", 1.0), ("square-root", 0.7)])
@@ -84,6 +84,7 @@ def test_metrics_are_what_their_definitions_say(law, dt) -> None:
         steady = [found[name][i] for name in STEADY]
         np.testing.assert_allclose(steady, expected["steady"] * [1.0, 1.0, np.degrees(1.0)], rtol=1e-9)
         assert found["legs_held"][i] == pytest.approx(expected["held"])
+        assert found["legs_judged"][i] == expected["judged"]
         assert found["is_success"][i] == (expected["held"] == 1.0)
     assert 0.0 < found["legs_held"].mean() < 1.0
 

@@ -245,9 +245,10 @@ class AutopilotEnv(ScalarEnv):
     At the end `info` holds `is_success`: never left the envelope, and every leg between two changes (that lasts 20 s
     and ended) was held: all three errors within their bands throughout its last 10 s. Further the mean absolute
     `altitude_error_m`, `airspeed_error_m_s`, `heading_error_deg`; `time_in_band`; `movement` (mean command change per
-    step); `left_envelope`; `legs_held` (share); `saturated` (share of the commands); for each channel `..._rise_s`,
-    `..._settling_s`, `..._overshoot_pct` and `..._steady_error_...` (`vr_envs.envs.autopilot_legs` defines them); the
-    peaks `lateral_load_factor` and `normal_load_factor`.
+    step); `left_envelope`; `saturated` (share of the commands); `legs_judged` (their number; with none the rest is 0)
+    and `legs_held` (share); for each channel `..._rise_s`, `..._settling_s`, `..._overshoot_pct` and
+    `..._steady_error_...` (`vr_envs.envs.autopilot_legs` defines them); the peaks `lateral_load_factor` and
+    `normal_load_factor`.
 
     ## Arguments
     - `scene`: "airliner" (default), "airliner-rough" (with wind, shear, ground track, instruments and more turbulence),

@@ -19,8 +19,8 @@ def metrics(states: np.ndarray, scene: Scene) -> dict[str, np.ndarray]:
     mean change of the commands per interval; saturated: share of the commands at their limits (or, of
     accelerations, changed by the shared power); left_envelope.
 
-    Of the legs, as `autopilot_legs` judges them: legs_held: share of them that ended with all three channels held in
-    band for 10 s; per channel ..._rise_s, ..._settling_s, ..._overshoot_pct (means over its steps, 0 if it had
+    Of the legs, as `autopilot_legs` judges them: legs_judged: how many there were, with none the others are 0;
+    legs_held: share of them that ended with all three channels held in band for 10 s; per channel ..._rise_s, ..._settling_s, ..._overshoot_pct (means over its steps, 0 if it had
     none) and ..._steady_error (mean over the legs). lateral_load_factor, normal_load_factor: largest ones,
     `vr_envs.models.load_factor`, with the vertical acceleration's mean over an interval.
 
@@ -51,6 +51,7 @@ def metrics(states: np.ndarray, scene: Scene) -> dict[str, np.ndarray]:
         "time_in_band": states["in_band"] / steps,
         "movement": states["movement_sum"] / steps,
         "left_envelope": lost,
+        "legs_judged": after["legs"].copy(),
         "legs_held": after["legs_held"] / legs,
         "saturated": states["saturated"] / (3.0 * steps),
         **found,
