@@ -20,9 +20,10 @@ def metrics(states: np.ndarray, scene: Scene) -> dict[str, np.ndarray]:
     accelerations, changed by the shared power); left_envelope.
 
     Of the legs, as `autopilot_legs` judges them: legs_judged: how many there were, with none the others are 0;
-    legs_held: share of them that ended with all three channels held in band for 10 s; per channel ..._rise_s, ..._settling_s, ..._overshoot_pct (means over its steps, 0 if it had
-    none) and ..._steady_error (mean over the legs). lateral_load_factor, normal_load_factor: largest ones,
-    `vr_envs.models.load_factor`, with the vertical acceleration's mean over an interval.
+    legs_held: share of them that ended with all three channels held in band for 10 s; per channel ..._rise_s,
+    ..._settling_s, ..._overshoot_pct (means over its steps, 0 if it had none) and ..._steady_error (mean over the
+    legs). lateral_load_factor, normal_load_factor: largest ones, `vr_envs.models.load_factor`, with the vertical
+    acceleration's mean over an interval.
 
     is_success: never left the envelope, and every leg held (at least one).
     """
