@@ -3,7 +3,8 @@
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from vr_envs.models.ride_options import TICK, G
+from vr_envs.models.constants import G
+from vr_envs.models.ride_options import TICK
 from vr_envs.models.terrain import wave
 
 DEPTH = 1e-14  # m: a contact that comes and goes and is no deeper moves nothing to 1e-13

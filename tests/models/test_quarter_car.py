@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
+from vr_envs.models.constants import G
 from vr_envs.models.quarter_car import check_stiffness, drive, lift_off, settle
 from vr_envs.models.record import dtype_of, pack
-from vr_envs.models.ride_options import G, Tyre
+from vr_envs.models.ride_options import Tyre
 from vr_envs.models.terrain_ride import Params, State
 from vr_envs.models.travel_stop import TravelStop
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from vr_envs.envs.terrain_ride import TerrainRideBatchEnv, TerrainRideEnv
-from vr_envs.models.ride_options import G
+from vr_envs.models.constants import G
 
 # without stops no episode ends
 SCENES = [*({"base": name, "stop": None} for name in ("quarter-car", "active")), {"damping": "absolute", "lag": None}]

@@ -8,8 +8,8 @@ import pytest
 from vr_envs.envs.scene import resolve
 from vr_envs.envs.terrain_ride import TASK
 from vr_envs.envs.world import World
+from vr_envs.models.constants import G
 from vr_envs.models.quarter_car import lift_off
-from vr_envs.models.ride_options import G
 from vr_envs.rigid_body.terrain_ride import Vehicle
 
 RIDE = ("travel", "velocity")

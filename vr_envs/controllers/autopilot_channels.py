@@ -17,8 +17,8 @@ import numpy as np
 from vr_envs.envs.autopilot_observation import BAND, Reading, actions_for, limits, read
 from vr_envs.envs.scene import Scene
 from vr_envs.models.atmosphere import airspeed_rate
-from vr_envs.models.autopilot import SLOWEST
-from vr_envs.models.autopilot_options import G
+from vr_envs.models.autopilot import SLOWEST, within_power
+from vr_envs.models.constants import G
 from vr_envs.models.jit import kernel
 from vr_envs.models.lag import clamped_lag
 
@@ -81,17 +81,25 @@ def _carry_on(error, rate, commands, lag, slew, thinning, dt):  # type: ignore[n
                     error[i, 1] += thinning[i] * gain
 
 
+@kernel
+def _give_way(commands, climbs, speeds, params, energy):  # type: ignore[no-untyped-def]
+    """Make of the accelerations commanded (n, 3) what the shared power leaves of them."""
+    for i in range(commands.shape[0]):
+        weight_per_speed = G / max(speeds[i], SLOWEST)
+        commands[i, 1] = within_power(commands[i, 0], commands[i, 1], weight_per_speed, climbs[i], params, energy)
+
+
 class Channels:
     """Turns observations into `Flight`, and commands into actions."""
 
     def __init__(self, scene: Scene) -> None:
         """`lag` (3) [s] is 0 where the scene has no lags."""
         lags, sensing = scene.options["lags"], scene.options["sensing"]
-        options = scene.records()[1]
+        self._params, options = scene.records()
         self.scene, self.dt = scene, scene.params.dt
         self.lag = np.zeros(3) if lags is None else np.array([lags.vertical, lags.along, lags.turn])
         self.delay = 0 if sensing is None else sensing.delay
-        self._atmosphere = options[list(scene.options).index("atmosphere")]
+        self._atmosphere, self._energy = (options[list(scene.options).index(k)] for k in ("atmosphere", "energy"))
         self.reset(0)
 
     def reset(self, n: int) -> None:
@@ -126,7 +134,9 @@ class Channels:
         """Actions (n, 3) that command rates (n, 3); they are remembered as far as the instruments are late."""
         if self.delay:
             given = flight.clipped(commands)
-            given[:, 1] = within_power(given, flight, self.scene)
+            if self._energy is not None:
+                climb = np.ascontiguousarray(flight.rising[:, 0])
+                _give_way(given, climb, flight.true_speed, self._params, self._energy)
             self._commands = np.concatenate([self._commands, given[None]])[-self.delay :]
         return actions_for(commands, flight.falling, flight.rising)
 
@@ -140,14 +150,6 @@ def power_limits(flight: Flight, scene: Scene) -> tuple[float, np.ndarray]:
 def climb_per_acceleration(flight: Flight) -> np.ndarray:
     """Climb rate (n,) [m/s] that takes as much power as an acceleration of 1 m/s^2: v / g."""
     return np.maximum(flight.true_speed, SLOWEST) / G
-
-
-def within_power(commands: np.ndarray, flight: Flight, scene: Scene) -> np.ndarray:
-    """The accelerations (n,) that the aircraft makes of the commands (n, 3): climb has priority."""
-    lowest, highest = power_limits(flight, scene)
-    unit = climb_per_acceleration(flight)
-    idle = np.minimum((lowest - commands[:, 0]) / unit, flight.rising[:, 1])
-    return np.maximum(np.minimum(commands[:, 1], (highest - commands[:, 0]) / unit), idle)
 
 
 def lead(error: np.ndarray, flight: Flight, time: np.ndarray) -> np.ndarray:

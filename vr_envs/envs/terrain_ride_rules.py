@@ -6,6 +6,7 @@ import math
 
 from vr_envs.envs.scene import Scene
 from vr_envs.models.quarter_car import check_stiffness
+from vr_envs.models.ride_textbook import step_of
 from vr_envs.models.road_options import RING, check_road
 
 
@@ -97,6 +98,5 @@ def _check_engine(scene: Scene) -> None:
 def _step_of(scene: Scene) -> float:
     """The longest step (s) that the engine of the scene makes; 0 for the exact one, which makes none."""
     if scene.engine == "textbook":
-        dt = scene.params.dt
-        return dt / math.ceil(dt / scene.options["textbook"].step - 1e-9)
+        return step_of.py_func(scene.params, scene.options["textbook"])
     return scene.simulators["rigid_body"].step if scene.engine == "rigid_body" else 0.0

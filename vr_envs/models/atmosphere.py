@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from vr_envs.models.autopilot_options import G
+from vr_envs.models.constants import G
 from vr_envs.models.jit import kernel
 
 TROPOPAUSE = 11000.0  # m

@@ -17,9 +17,9 @@ import dataclasses
 import math
 
 from vr_envs.models.atmosphere import airspeed, sound_speed
-from vr_envs.models.autopilot_options import G
 from vr_envs.models.autopilot_textbook import fly_in_steps
 from vr_envs.models.clock import MEET, left_after, piece_of, to_next_tick
+from vr_envs.models.constants import G
 from vr_envs.models.ground_track import turn_with_lags, uniform_turn
 from vr_envs.models.jit import kernel
 from vr_envs.models.lag import clamped_lag
@@ -206,6 +206,17 @@ def fly(state, vertical_speed, acceleration, turn_rate, turn_slew, duration, lag
 
 
 @kernel
+def within_power(vertical_speed, acceleration, weight_per_speed, climb, params, energy):  # type: ignore[no-untyped-def]
+    """The acceleration [m/s^2] that the shared power leaves of a command beside a climb, which has priority.
+
+    `weight_per_speed` is g / v [1/s], `climb` the largest climb rate [m/s].
+    """
+    acceleration = min(acceleration, weight_per_speed * (climb - vertical_speed))
+    idle = weight_per_speed * (-energy.idle_sink - vertical_speed)
+    return max(acceleration, min(params.acceleration, idle))
+
+
+@kernel
 def commanded_rates(state, action, params, envelope, energy):  # type: ignore[no-untyped-def]
     """Vertical speed, acceleration and turn rate that an action asks for, and the largest turn rate, as limited now."""
     climb, turn = params.climb, params.turn
@@ -214,9 +225,7 @@ def commanded_rates(state, action, params, envelope, energy):  # type: ignore[no
     vertical_speed = action[0] * (climb if action[0] > 0.0 else params.descent)
     acceleration = action[1] * (params.acceleration if action[1] > 0.0 else params.deceleration)
     if energy is not None:
-        acceleration = min(acceleration, state.weight_per_speed * (climb - vertical_speed))
-        idle = state.weight_per_speed * (-energy.idle_sink - vertical_speed)
-        acceleration = max(acceleration, min(params.acceleration, idle))
+        acceleration = within_power(vertical_speed, acceleration, state.weight_per_speed, climb, params, energy)
     return vertical_speed, acceleration, action[2] * turn, turn
 
 

@@ -9,9 +9,8 @@ import dataclasses
 import math
 from typing import ClassVar
 
+from vr_envs.models.constants import G
 from vr_envs.models.record import quantity
-
-G = 9.80665  # standard gravity [m/s^2]
 
 
 @dataclasses.dataclass(frozen=True)

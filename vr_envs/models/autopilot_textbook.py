@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from vr_envs.models.clock import SAME
+from vr_envs.models.clock import equal_steps
 from vr_envs.models.jit import kernel
 
 REFERENCE = 1.0  # s, the step at which the turn is as commanded
@@ -22,7 +22,7 @@ def fly_in_steps(state, vertical_speed, acceleration, turn_rate, duration, track
 
     An aircraft without airspeed does not turn; its airspeed does not fall below 0.
     """
-    steps = max(1, math.ceil(duration / textbook.step - SAME))
+    steps = equal_steps(duration, textbook.step)
     dt = duration / steps
     slope = math.tan(turn_rate * REFERENCE)
     state.vertical_speed, state.turn_rate = vertical_speed, turn_rate

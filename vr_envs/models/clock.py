@@ -7,6 +7,8 @@ rounding, is owed to the next interval, so that no time is lost or gained.
 
 from __future__ import annotations
 
+import math
+
 from vr_envs.models.jit import kernel
 
 SAME = 1e-9  # s: two instants of an episode that are closer than this are one
@@ -36,3 +38,12 @@ def left_after(total: float, first: float, ticks: int, period: float) -> float:
     Not summed piece by piece, which would add rounding at every tick.
     """
     return total - (first + (ticks - 1) * period)
+
+
+@kernel
+def equal_steps(duration: float, longest: float) -> int:
+    """Into how many equal steps, none longer than `longest` [s], a duration > 0 [s] is divided.
+
+    A ratio that is a whole number but for rounding is one.
+    """
+    return max(1, int(math.ceil(duration / longest - 1e-9)))

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from vr_envs.models.autopilot_options import G
+from vr_envs.models.constants import G
 from vr_envs.models.jit import kernel
 
 
@@ -21,11 +21,11 @@ def lateral_load_factor(turn_rate: float, speed: float) -> float:
 @kernel
 def bank(turn_rate: float, speed: float) -> float:
     """Bank angle [rad] of a level turn, atan(v psi' / g), at a true airspeed [m/s]."""
-    return math.atan(turn_rate * speed / G)
+    return math.atan(lateral_load_factor(turn_rate, speed))
 
 
 @kernel
 def normal_load_factor(turn_rate: float, speed: float, vertical_acceleration: float) -> float:
     """Lift over weight, 1 in straight level flight; `vertical_acceleration`: rate of change of climb [m/s^2]."""
-    up, across = 1.0 + vertical_acceleration / G, turn_rate * speed / G
+    up, across = 1.0 + vertical_acceleration / G, lateral_load_factor(turn_rate, speed)
     return math.sqrt(up * up + across * across)

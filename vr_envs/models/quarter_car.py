@@ -23,8 +23,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from vr_envs.models.constants import G
 from vr_envs.models.jit import kernel
-from vr_envs.models.ride_options import G
 from vr_envs.models.root import certified_step
 from vr_envs.models.terrain import roll_undulation, wave
 from vr_envs.models.travel_stop import MAX_CONTACTS, RESOLUTION

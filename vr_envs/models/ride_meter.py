@@ -6,9 +6,10 @@ import dataclasses
 
 import numpy as np
 
+from vr_envs.models.constants import G
 from vr_envs.models.jit import kernel
 from vr_envs.models.record import quantity
-from vr_envs.models.ride_options import TICK, G
+from vr_envs.models.ride_options import TICK
 from vr_envs.models.weighting import MEMORY, weight
 
 

@@ -11,7 +11,6 @@ from typing import ClassVar
 
 from vr_envs.models.record import quantity
 
-G = 9.80665  # standard gravity [m/s^2]
 TICK = 0.01  # s: actuators and the weighting filter work at 100 Hz, whatever the control interval
 
 

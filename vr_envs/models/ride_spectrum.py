@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vr_envs.models.ride_options import G
+from vr_envs.models.constants import G
 from vr_envs.models.weighting import INTERVAL, sampled_wk, wk
 
 ISO_BAND = (0.011, 2.83)  # cycle/m, of ISO 8608

@@ -21,6 +21,7 @@ from __future__ import annotations
 
 import math
 
+from vr_envs.models.clock import equal_steps
 from vr_envs.models.jit import kernel
 from vr_envs.models.road import pass_knot, slope_of_road
 from vr_envs.models.terrain import roll_undulation, undulation_ahead
@@ -65,4 +66,4 @@ def kick(state, step, rise, gamma, w2, push, textbook):
 @kernel
 def step_of(params, textbook):
     """The step [s]: the control interval is a whole number of equal ones."""
-    return params.dt / math.ceil(params.dt / textbook.step - 1e-9)
+    return params.dt / equal_steps(params.dt, textbook.step)

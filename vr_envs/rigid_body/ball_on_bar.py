@@ -34,6 +34,7 @@ from pymunk import Vec2d
 
 from vr_envs.envs.scene import Scene
 from vr_envs.models.ball_sensors import ages_of, sense
+from vr_envs.models.clock import equal_steps
 from vr_envs.models.drive import bar_at, base_cycle, demanded
 from vr_envs.models.impact import softened
 from vr_envs.models.jit import kernel
@@ -98,7 +99,7 @@ class BallOnBarSimulator:
         self.options = dict(zip(scene.options, options, strict=True))
         p = scene.params
         self.span = p.hold * p.period
-        self.steps = math.ceil(self.span / scene.simulators["rigid_body"].step - 1e-9)
+        self.steps = equal_steps(self.span, scene.simulators["rigid_body"].step)
         self.dt = self.span / self.steps
         spin, friction, curve = (scene.options[name] for name in ("spin", "friction", "curve"))
         self.radius = RADIUS if spin is None else spin.radius

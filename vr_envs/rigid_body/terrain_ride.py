@@ -34,10 +34,11 @@ import pymunk
 from pymunk.constraints import DampedSpring, GrooveJoint, SlideJoint
 
 from vr_envs.envs.scene import Scene
-from vr_envs.models.clock import MEET, left_after, piece_of, to_next_tick
+from vr_envs.models.clock import MEET, equal_steps, left_after, piece_of, to_next_tick
+from vr_envs.models.constants import G
 from vr_envs.models.cruise import acceleration_to, commanded_speed
 from vr_envs.models.quarter_car import lift_off
-from vr_envs.models.ride_options import TICK, G
+from vr_envs.models.ride_options import TICK
 from vr_envs.models.terrain_ride import actuate, begin_tick, end_tick, suspension
 from vr_envs.rigid_body.ground import BareGround, Ground, Profiles
 
@@ -111,7 +112,7 @@ class Vehicle:
         self.simulator, self.state, self.params = simulator, state, simulator.scene.params
         self.stop, self.tyre = (simulator.scene.options[name] for name in ("stop", "tyre"))
         self.side, self.touches = float(state["side"]), 0
-        self.steps = math.ceil(time / simulator.step - 1e-9)
+        self.steps = equal_steps(time, simulator.step)
         self.dt = time / self.steps
         self.gamma, self.w2, self.force = suspension(state, simulator.params)
         times = np.append(self.dt * (np.arange(self.steps + 1) - 0.5), time)
