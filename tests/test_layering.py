@@ -17,7 +17,7 @@ ALLOWED = {
     "evaluation": {"models", "envs", "controllers", "evaluation"},
     "render": {"models", "envs", "render"},
     "experiments": {"models", "envs", "evaluation", "render", "experiments"},
-    "bench": {"models", "envs", "bench"},
+    "bench": {"models", "envs", "controllers", "evaluation", "bench"},
     "cli": {"models", "envs", "controllers", "evaluation", "render", "bench", "experiments", "cli"},
 }
 LIBRARIES = {
@@ -43,23 +43,30 @@ def imports(path, top_level):
             yield node.module or ""
 
 
-FILES = [path for folder in ALLOWED for path in sorted((ROOT / "vr_envs" / folder).glob("*.py"))]
+FILES = [path for folder in ALLOWED for path in sorted((ROOT / "vr_envs" / folder).rglob("*.py"))]
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda p: f"{p.parent.name}/{p.name}")
+def folder_of(path):
+    """The folder of the package that a file stands in, at any depth."""
+    return path.relative_to(ROOT / "vr_envs").parts[0]
+
+
+def name_of(path):
+    return path.relative_to(ROOT / "vr_envs").as_posix()
+
+
+@pytest.mark.parametrize("path", FILES, ids=name_of)
 def test_arrows_go_one_way(path):
     for module in imports(path, top_level=True):
         parts = module.split(".")
         if parts[0] == "vr_envs" and len(parts) > 1:
-            assert parts[1] in ALLOWED[path.parent.name], f"{path.name} imports {module}"
+            assert parts[1] in ALLOWED[folder_of(path)], f"{path.name} imports {module}"
         assert parts[0] not in ("agents", "torch", "stable_baselines3"), f"{path.name} imports {module}"
 
 
-@pytest.mark.parametrize(
-    "path", [p for p in FILES if p.parent.name in LIBRARIES], ids=lambda p: f"{p.parent.name}/{p.name}"
-)
+@pytest.mark.parametrize("path", [p for p in FILES if folder_of(p) in LIBRARIES], ids=name_of)
 def test_lower_layers_know_few_libraries(path):
-    known = LIBRARIES[path.parent.name] | STANDARD | {"vr_envs"}
+    known = LIBRARIES[folder_of(path)] | STANDARD | {"vr_envs"}
     for module in imports(path, top_level=False):
         assert module.split(".")[0] in known, f"{path.name} imports {module}"
 

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from tqdm import tqdm
 
-from vr_envs.bench.stripped import stripped
+from vr_envs.bench.features.stripped import stripped
 from vr_envs.envs.registry import task_of
 from vr_envs.envs.scene import resolve
 from vr_envs.models.ball_on_bar import State, advance

@@ -6,8 +6,8 @@ import itertools
 import numpy as np
 import pytest
 
-from vr_envs.bench import impact
-from vr_envs.bench.stripped import StripError, stripped, stripped_sources
+from vr_envs.bench.features import impact
+from vr_envs.bench.features.stripped import StripError, stripped, stripped_sources
 from vr_envs.models.ball_options import OPTIONS
 
 ENTRY = ("ball_on_bar", "advance")

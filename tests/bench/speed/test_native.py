@@ -3,7 +3,7 @@ import itertools
 import numpy as np
 import pytest
 
-from vr_envs.bench import speed
+from vr_envs.bench.speed import native as speed
 from vr_envs.envs.ball_on_bar import BallOnBarBatchEnv
 
 
