@@ -4,11 +4,51 @@ from __future__ import annotations
 
 import numpy as np
 
-from vr_envs.envs.autopilot_legs import finish_episodes
+from vr_envs.envs.autopilot_legs import finish_episodes, watch_leg
+from vr_envs.envs.autopilot_observation import BAND
 from vr_envs.envs.scene import Scene
+from vr_envs.models.autopilot import commanded_rates
+from vr_envs.models.jit import kernel
+from vr_envs.models.lanes import to_int
+from vr_envs.models.load_factor import lateral_load_factor, normal_load_factor
 
+SATURATED = 0.999  # of the limit
 # channel, unit, factor from the record's unit
 _CHANNELS = (("altitude", "m", 1.0), ("airspeed", "m_s", 1.0), ("heading", "deg", np.degrees(1.0)))
+
+
+@kernel
+def take_loads(state, pull):  # type: ignore[no-untyped-def]
+    """Take the load factors after a control interval; `pull`: mean vertical acceleration in it [m/s^2]."""
+    turn, speed = state.turn_rate, state.speed
+    state.lateral_peak = max(state.lateral_peak, abs(lateral_load_factor(turn, speed)))
+    state.normal_peak = max(state.normal_peak, normal_load_factor(turn, speed, pull))
+
+
+@kernel
+def count_step(state, action, errors, movement, params, envelope, energy):  # type: ignore[no-untyped-def]
+    """Take an interval's action, the errors (3) at its end and the mean `movement` of the commands."""
+    inside = True
+    for channel in range(3):
+        size = abs(errors[channel])
+        state.error_sum[channel] += size
+        inside = inside & (size <= BAND[channel])
+    limited = to_int(abs(action[0]) >= SATURATED) + to_int(abs(action[2]) >= SATURATED)
+    at_limit = abs(action[1]) >= SATURATED
+    if energy is not None:
+        at_limit = at_limit | _gives_way(state, action, params, envelope, energy)
+    state.saturated += limited + to_int(at_limit)
+    state.movement_sum += movement
+    state.in_band += to_int(inside)
+    watch_leg(state, params, errors, inside)
+
+
+@kernel
+def _gives_way(state, action, params, envelope, energy):  # type: ignore[no-untyped-def]
+    """Whether the commanded acceleration is changed by the shared power."""
+    _, given, _, _ = commanded_rates(state, action, params, envelope, energy)
+    _, asked, _, _ = commanded_rates(state, action, params, envelope, None)
+    return given != asked
 
 
 def metrics(states: np.ndarray, scene: Scene) -> dict[str, np.ndarray]:

@@ -12,6 +12,7 @@ from vr_envs.envs.scene import Scene
 from vr_envs.envs.task import Channel
 from vr_envs.models.atmosphere import airspeed_rate, true_airspeed
 from vr_envs.models.autopilot import rate_limits, wrap
+from vr_envs.models.elementary import log
 from vr_envs.models.jit import kernel
 
 # tolerance of each channel: the score of a channel is 1/2 there (altitude m, airspeed m/s, heading rad)
@@ -52,14 +53,14 @@ def _put(row, index, value):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _signed_log(error: float, channel: int) -> float:
-    return math.copysign(math.log(1.0 + abs(error) * _PER_BAND[channel]) * _PER_LOG_SPAN[channel], error)
+def _signed_log(error, channel):  # type: ignore[no-untyped-def]
+    return math.copysign(log(1.0 + abs(error) * _PER_BAND[channel]) * _PER_LOG_SPAN[channel], error)
 
 
 @kernel
 def observe(
     state, row, params, envelope, energy, lags, atmosphere, wind, shear, turbulence, track, textbook, demands,
-    plan, sensing,
+    plan, sensing, metrics,
 ):  # type: ignore[no-untyped-def]  # fmt: skip
     """Write the observation of a record into `row` (float32, 23 channels of `channels`)."""
     altitude, speed, heading, climb, acceleration, turn = measure(state, atmosphere, sensing)

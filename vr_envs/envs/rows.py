@@ -7,8 +7,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from vr_envs.envs.scene import Scene
 from vr_envs.envs.task import Task
 from vr_envs.models.jit import kernel
+from vr_envs.models.lane_records import lanes_at, load_lanes, store_lanes
+from vr_envs.models.lanes import WIDTH, all_lanes
+
+LOCKSTEP_FROM = 4 * WIDTH
 
 
 class Rows(NamedTuple):
@@ -52,7 +57,7 @@ def admit(actions: np.ndarray) -> int:
     return -1
 
 
-def _build(start: Any, advance: Any, outcome: Any, observe: Any) -> Rows:
+def _build(start: Any, advance: Any, outcome: Any, observe: Any, ready: Any, advance_lanes: Any) -> Rows:
     @kernel
     def reset_rows(states, rows, keys, obs, params, options):  # type: ignore[no-untyped-def]
         for k in range(rows.shape[0]):
@@ -63,17 +68,44 @@ def _build(start: Any, advance: Any, outcome: Any, observe: Any) -> Rows:
             observe(states[i], obs[i], params, *options)
 
     @kernel
+    def step_row(i, states, actions, live, limit, obs, rewards, terminated, truncated, params, options):  # type: ignore[no-untyped-def]
+        if live[i]:
+            advance(states[i], actions[i].row, params, *options)
+            states[i].steps += 1
+            rewards[i], terminated[i] = outcome(states[i], actions[i].row, params, *options)
+            truncated[i] = states[i].steps >= limit
+            observe(states[i], obs[i].row, params, *options)
+
+    @kernel
     def step_rows(states, actions, live, limit, obs, rewards, terminated, truncated, params, options):  # type: ignore[no-untyped-def]
         bad = admit(actions)
         if bad >= 0:
             return bad
         for i in range(states.shape[0]):
-            if live[i]:
-                advance(states[i], actions[i].row, params, *options)
-                states[i].steps += 1
-                rewards[i], terminated[i] = outcome(states[i], actions[i].row, params, *options)
-                truncated[i] = states[i].steps >= limit
-                observe(states[i], obs[i].row, params, *options)
+            step_row(i, states, actions, live, limit, obs, rewards, terminated, truncated, params, options)
+        return -1
+
+    @kernel
+    def step_lanes(states, actions, live, limit, obs, rewards, terminated, truncated, params, options):  # type: ignore[no-untyped-def]
+        bad = admit(actions)
+        if bad >= 0:
+            return bad
+        n = states.shape[0]
+        for first in range(0, n - n % WIDTH, WIDTH):
+            state, action, row = lanes_at(states, first), lanes_at(actions, first).row, lanes_at(obs, first).row
+            if all_lanes(load_lanes(live, first)) and all_lanes(ready(state, params, *options)):
+                advance_lanes(state, action, params, *options)
+                state.steps += 1
+                reward, ended = outcome(state, action, params, *options)
+                store_lanes(rewards, first, reward)
+                store_lanes(terminated, first, ended)
+                store_lanes(truncated, first, state.steps >= limit)
+                observe(state, row, params, *options)
+            else:
+                for i in range(first, first + WIDTH):
+                    step_row(i, states, actions, live, limit, obs, rewards, terminated, truncated, params, options)
+        for i in range(n - n % WIDTH, n):
+            step_row(i, states, actions, live, limit, obs, rewards, terminated, truncated, params, options)
         return -1
 
     @kernel
@@ -81,12 +113,12 @@ def _build(start: Any, advance: Any, outcome: Any, observe: Any) -> Rows:
         for i in range(states.shape[0]):
             observe(states[i], obs[i], params, *options)
 
-    return Rows(reset_rows, step_rows, observe_rows)
+    return Rows(reset_rows, step_rows if ready is None else step_lanes, observe_rows)
 
 
 @cache
-def _build_once(start: Any, advance: Any, outcome: Any, observe: Any) -> Rows:
-    return _build(start, advance, outcome, observe)
+def _build_once(start: Any, advance: Any, outcome: Any, observe: Any, ready: Any, advance_lanes: Any) -> Rows:
+    return _build(start, advance, outcome, observe, ready, advance_lanes)
 
 
 @kernel
@@ -94,6 +126,16 @@ def _stay(state, action, params, *options):
     """In place of `advance` where a simulator has moved the state already."""
 
 
-def rows_of(task: Task, simulated: bool = False) -> Rows:
-    """The compiled row loops of `task`; with `simulated` their `step` judges states that have been moved already."""
-    return _build_once(task.start, _stay if simulated else task.advance, task.outcome, task.observe)
+def rows_of(task: Task, scene: Scene, count: int, simulated: bool = False) -> Rows:
+    """The compiled row loops of `task` for `count` records in `scene`.
+
+    With `simulated` their `step` judges states that have been moved already. From `LOCKSTEP_FROM` records on they move
+    in lockstep, where the scene allows it: for less the second set of kernels would not be worth its compilation.
+    """
+    lockstep = task.lockstep
+    if simulated or lockstep is None or count < LOCKSTEP_FROM or not lockstep.possible(scene):
+        ready, advance_lanes = None, None
+    else:
+        ready, advance_lanes = lockstep.ready, lockstep.advance
+    advance = _stay if simulated else task.advance
+    return _build_once(task.start, advance, task.outcome, task.observe, ready, advance_lanes)

@@ -51,7 +51,7 @@ class World:
         self.scene = resolve(task, scene, **choices)
         self.params, self.options = self.scene.records()
         self.simulator = simulator_of(task.name, self.scene)
-        self.rows = rows_of(task, simulated=self.simulator is not None)
+        self.rows = rows_of(task, self.scene, n, simulated=self.simulator is not None)
         self.states = np.zeros(n, dtype_of(task.state))
         self.observation_space = box(task.observation_channels(self.scene))
         self.action_space = box(task.action_channels(self.scene))
