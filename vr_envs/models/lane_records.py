@@ -12,7 +12,7 @@ from llvmlite import ir
 from numba import types
 from numba.core.datamodel import models
 from numba.core.imputils import lower_getattr_generic, lower_setattr_generic
-from numba.core.typing.templates import AttributeTemplate, infer_getattr, infer_global, AbstractTemplate, signature
+from numba.core.typing.templates import AbstractTemplate, AttributeTemplate, infer_getattr, infer_global, signature
 from numba.extending import intrinsic, lower_builtin, overload, register_model
 
 from vr_envs.models.lanes import BOOL, FLOAT, WIDTH, Lanes, common_type
@@ -103,7 +103,7 @@ class _ArrayFields(AttributeTemplate):
 
 @lower_getattr_generic(LaneArray)
 def _read_shape(context: Any, builder: Any, kind: LaneArray, value: Any, name: str) -> Any:
-    return context.get_constant(types.UniTuple(types.intp, len(kind.shape)), kind.shape)
+    return context.get_constant_generic(builder, types.UniTuple(types.intp, len(kind.shape)), kind.shape)
 
 
 @infer_global(operator.getitem)
