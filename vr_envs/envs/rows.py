@@ -68,13 +68,12 @@ def _build(start: Any, advance: Any, outcome: Any, observe: Any, ready: Any, adv
             observe(states[i], obs[i], params, *options)
 
     @kernel
-    def step_row(i, states, actions, live, limit, obs, rewards, terminated, truncated, params, options):  # type: ignore[no-untyped-def]
-        if live[i]:
-            advance(states[i], actions[i].row, params, *options)
-            states[i].steps += 1
-            rewards[i], terminated[i] = outcome(states[i], actions[i].row, params, *options)
-            truncated[i] = states[i].steps >= limit
-            observe(states[i], obs[i].row, params, *options)
+    def step_row(state, action, row, params, options):  # type: ignore[no-untyped-def]
+        advance(state, action, params, *options)
+        state.steps += 1
+        judged = outcome(state, action, params, *options)
+        observe(state, row, params, *options)
+        return judged
 
     @kernel
     def step_rows(states, actions, live, limit, obs, rewards, terminated, truncated, params, options):  # type: ignore[no-untyped-def]
@@ -82,7 +81,9 @@ def _build(start: Any, advance: Any, outcome: Any, observe: Any, ready: Any, adv
         if bad >= 0:
             return bad
         for i in range(states.shape[0]):
-            step_row(i, states, actions, live, limit, obs, rewards, terminated, truncated, params, options)
+            if live[i]:
+                rewards[i], terminated[i] = step_row(states[i], actions[i].row, obs[i].row, params, options)
+                truncated[i] = states[i].steps >= limit
         return -1
 
     @kernel
@@ -103,9 +104,13 @@ def _build(start: Any, advance: Any, outcome: Any, observe: Any, ready: Any, adv
                 observe(state, row, params, *options)
             else:
                 for i in range(first, first + WIDTH):
-                    step_row(i, states, actions, live, limit, obs, rewards, terminated, truncated, params, options)
+                    if live[i]:
+                        rewards[i], terminated[i] = step_row(states[i], actions[i].row, obs[i].row, params, options)
+                        truncated[i] = states[i].steps >= limit
         for i in range(n - n % WIDTH, n):
-            step_row(i, states, actions, live, limit, obs, rewards, terminated, truncated, params, options)
+            if live[i]:
+                rewards[i], terminated[i] = step_row(states[i], actions[i].row, obs[i].row, params, options)
+                truncated[i] = states[i].steps >= limit
         return -1
 
     @kernel
