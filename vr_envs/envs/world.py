@@ -19,6 +19,7 @@ from vr_envs.envs.task import Channel, Task
 from vr_envs.models.record import dtype_of
 
 NO_LIMIT = np.iinfo(np.int64).max  # control intervals
+_LARGEST_KEY = np.iinfo(np.uint64).max
 
 
 def box(channels: tuple[Channel, ...]) -> Box:
@@ -29,7 +30,7 @@ def box(channels: tuple[Channel, ...]) -> Box:
 
 def episode_key(generator: np.random.Generator) -> np.uint64:
     """The 64-bit key from which an episode draws its start and all its disturbances."""
-    return generator.integers(np.iinfo(np.uint64).max, dtype=np.uint64, endpoint=True)
+    return generator.integers(_LARGEST_KEY, dtype=np.uint64, endpoint=True)
 
 
 def simulator_of(task_name: str, scene: Scene) -> Any:
@@ -50,6 +51,7 @@ class World:
         self.task = task
         self.scene = resolve(task, scene, **choices)
         self.params, self.options = self.scene.records()
+        self.judged = self.scene.options.get("metrics", ...) is not None  # a task without that option is always judged
         self.simulator = simulator_of(task.name, self.scene)
         self.rows = rows_of(task, simulated=self.simulator is not None)
         self.states = np.zeros(n, dtype_of(task.state))
@@ -58,8 +60,10 @@ class World:
         self.widths = (self.observation_space.shape[0], self.action_space.shape[0])
         self._compiled = False
 
-    def _compile(self) -> None:
+    def compile(self) -> None:
         """Compile the kernels, or load them from the cache; a word on stderr if that takes longer than two seconds."""
+        if self._compiled:
+            return
         message = f"vr_envs: compiling {self.task.name}, scene {self.scene.name}; the next run will start at once"
         timer = threading.Timer(2.0, print, (message,), {"file": sys.stderr, "flush": True})
         timer.start()
@@ -89,20 +93,24 @@ class World:
         rewards = np.zeros(n)
         terminated, truncated = np.zeros(n, np.bool_), np.zeros(n, np.bool_)
         acts, seen = row_records(actions), row_records(obs)
-        if self.simulator is not None and admit(acts) < 0:
-            for i in np.flatnonzero(live):
-                self.simulator.advance(self.states[i], actions[i])
+        if self.simulator is not None:
+            self.simulate(acts, live)
         bad = self.rows.step(
             self.states, acts, live, limit, seen, rewards, terminated, truncated, self.params, self.options
         )
         if bad >= 0:
-            raise ValueError(f"action of env {bad} is {actions[bad]}; every entry must be finite. Nothing was stepped")
+            raise refused(bad, actions)
         return obs, rewards, terminated, truncated
+
+    def simulate(self, acts: np.ndarray, live: np.ndarray) -> None:
+        """Let the simulator move the live rows, unless an action is not finite; `acts` are `row_records`."""
+        if admit(acts) < 0:
+            for i in np.flatnonzero(live):
+                self.simulator.advance(self.states[i], acts[i]["row"])
 
     def reset(self, rows: np.ndarray, keys: np.ndarray, obs: np.ndarray) -> None:
         """Start the given rows afresh and write their observations."""
-        if not self._compiled:
-            self._compile()
+        self.compile()
         self.states[rows] = np.zeros((), self.states.dtype)
         self.rows.reset(self.states, rows, keys, obs, self.params, self.options)
 
@@ -130,8 +138,15 @@ class World:
         return obs
 
     def metrics(self, rows: np.ndarray) -> dict[str, np.ndarray]:
-        """Domain metrics of the given rows' episodes so far, one array per name."""
+        """Domain metrics of the given rows' episodes so far, one array per name; none if the scene does without."""
+        if not self.judged:
+            return {}
         return dict(self.task.metrics(self.states.take(rows), self.scene))
+
+
+def refused(row: int, actions: np.ndarray) -> ValueError:
+    """The error for a row of the actions that is not finite."""
+    return ValueError(f"action of env {row} is {actions[row]}; every entry must be finite. Nothing was stepped")
 
 
 def scenario_keys(options: Mapping[str, Any] | None, n: int) -> np.ndarray | None:
