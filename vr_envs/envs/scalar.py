@@ -104,7 +104,7 @@ class ScalarEnv(gym.Env[np.ndarray, np.ndarray]):
 
     def get_state(self) -> np.void:
         """A copy of the record: with it and the actions, the episode replays to the same bytes."""
-        return self.world.states[0].copy()
+        return self.world.copy()[0]
 
     def set_state(self, state: Any) -> None:
         """Go to a record that `get_state` returned.

@@ -55,6 +55,8 @@ class World:
         self.simulator = simulator_of(task.name, self.scene)
         self.rows = rows_of(task, simulated=self.simulator is not None)
         self.states = np.zeros(n, dtype_of(task.state))
+        self._opaque = np.dtype((np.void, self.states.itemsize))
+        self._blank = np.zeros((), self._opaque)
         self.observation_space = box(task.observation_channels(self.scene))
         self.action_space = box(task.action_channels(self.scene))
         self.widths = (self.observation_space.shape[0], self.action_space.shape[0])
@@ -111,8 +113,17 @@ class World:
     def reset(self, rows: np.ndarray, keys: np.ndarray, obs: np.ndarray) -> None:
         """Start the given rows afresh and write their observations."""
         self.compile()
-        self.states[rows] = np.zeros((), self.states.dtype)
+        self._bytes[rows] = self._blank
         self.rows.reset(self.states, rows, keys, obs, self.params, self.options)
+
+    @property
+    def _bytes(self) -> np.ndarray:
+        """The records without their fields, one by one of which NumPy would copy them, fifty times as slowly."""
+        return self.states.view(self._opaque)
+
+    def copy(self) -> np.ndarray:
+        """A copy of the records."""
+        return self._bytes.copy().view(self.states.dtype)
 
     def load(self, states: Any, rows: np.ndarray) -> None:
         """Overwrite the given rows with saved records, after checking them."""
@@ -141,7 +152,7 @@ class World:
         """Domain metrics of the given rows' episodes so far, one array per name; none if the scene does without."""
         if not self.judged:
             return {}
-        return dict(self.task.metrics(self.states.take(rows), self.scene))
+        return dict(self.task.metrics(self._bytes.take(rows).view(self.states.dtype), self.scene))
 
 
 def refused(row: int, actions: np.ndarray) -> ValueError:
