@@ -1,8 +1,8 @@
 """Records whose fields lie side by side, eight records to a block: what lanes read in one go.
 
 In a *block* field f of the records 0 to 7 follows field e of the records 0 to 7, so that `state.speed` of a block is
-one load of a vector. A block has the size of eight records; `blocks_of` and its inverse `records_of` go from one
-to the other. `block_at(blocks, b)` is to a kernel what `states[i]` is, for eight records; `lane(block, k)` is record k
+one load of a vector. A block has the size of eight records; `read_records` and `write_records` go from
+one to the other. `block_at(blocks, b)` is to a kernel what `states[i]` is, for eight records; `lane(block, k)` is record k
 in it as a plain one. Actions and observations are rows one after the other: `rows_at` gathers and scatters them.
 """
 
@@ -45,12 +45,12 @@ def _words(blocks: np.ndarray) -> np.ndarray:
 
 def read_records(blocks: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """A copy of some records of blocks, by their numbers."""
-    record = blocks.dtype[_FIELD].base
-    return np.ascontiguousarray(_words(blocks)[rows // WIDTH, :, rows % WIDTH]).view(record).reshape(len(rows))
+    words = _words(blocks)[rows // WIDTH, :, rows % WIDTH]
+    return np.ascontiguousarray(words).view(blocks.dtype[_FIELD].base).reshape(len(rows))
 
 
 def write_records(blocks: np.ndarray, rows: np.ndarray, records: np.ndarray) -> None:
-    """Put records into blocks."""
+    """Put one record, or one each, into blocks."""
     words = np.ascontiguousarray(records).view(np.uint64).reshape(len(records), -1)
     _words(blocks)[rows // WIDTH, :, rows % WIDTH] = words
 
@@ -261,6 +261,18 @@ def store_lanes(typingctx, array, i, value):  # type: ignore[no-untyped-def]
         return context.get_dummy_value()
 
     return types.void(array, types.intp, FLOAT if array.dtype == types.float64 else BOOL), build
+
+
+def record_at(states: Any, i: int) -> Any:
+    """Record i of an array of records or of blocks, as a plain record."""
+    raise NotImplementedError("for kernels only")
+
+
+@overload(record_at)
+def _record_at(states, i):  # type: ignore[no-untyped-def]
+    if _FIELD in states.dtype.fields:
+        return lambda states, i: lane(block_at(states, i // WIDTH), i % WIDTH)
+    return lambda states, i: states[i]
 
 
 def lane_count(x: Any) -> int:
