@@ -131,8 +131,7 @@ def finish_leg(state, params):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def finish_episodes(states, params):  # type: ignore[no-untyped-def]
-    """Add the present legs of episodes that have ended to their sums: of lost aircraft, and legs without an end."""
-    for i in range(states.shape[0]):
-        if states[i].lost or states[i].next_change >= NEVER:
-            finish_leg(states[i], params)
+def finish_episode(state, params):  # type: ignore[no-untyped-def]
+    """Add the present leg of an episode that has ended to its sums: of a lost aircraft, or a leg without an end."""
+    if state.lost or state.next_change >= NEVER:
+        finish_leg(state, params)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import dataclasses
 import difflib
+import functools
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -38,7 +39,11 @@ class Scene:
     """The preset's name, and what differs from the preset."""
 
     def records(self) -> tuple[np.void, tuple[np.void | None, ...]]:
-        """The records that kernels take: (params, options in kernel order)."""
+        """The records that kernels take: (params, options in kernel order). They are packed once; do not write to them."""
+        return self._records
+
+    @functools.cached_property
+    def _records(self) -> tuple[np.void, tuple[np.void | None, ...]]:
         return pack(self.params), tuple(None if o is None else pack(o) for o in self.options.values())
 
     @property

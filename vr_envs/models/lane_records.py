@@ -1,6 +1,9 @@
-"""Eight neighbouring records of an array, whose fields a kernel reads and writes as lanes.
+"""Records whose fields lie side by side, eight records to a block: what lanes read in one go.
 
-`lanes_at(states, i)` is to a kernel what `states[i]` is: `state.speed` are the speeds of the records i to i + 7.
+In a *block* field f of the records 0 to 7 follows field e of the records 0 to 7, so that `state.speed` of a block is
+one load of a vector. A block has the size of eight records; `read_records` and `write_records` go from
+one to the other. `block_at(blocks, b)` is to a kernel what `states[i]` is, for eight records; `lane(block, k)` is record k
+in it as a plain one. Actions and observations are rows one after the other: `rows_at` gathers and scatters them.
 """
 
 from __future__ import annotations
@@ -8,6 +11,7 @@ from __future__ import annotations
 import operator
 from typing import Any
 
+import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.core.datamodel import models
@@ -18,133 +22,212 @@ from numba.extending import intrinsic, lower_builtin, overload, register_model
 from vr_envs.models.lanes import BOOL, FLOAT, WIDTH, Lanes, common_type
 
 _I8, _I32 = ir.IntType(8), ir.IntType(32)
+_FIELD = "lanes"
 
 
-class LaneRecord(types.Type):
-    """Numba's type of `WIDTH` records of the type `record`, one after another in memory."""
-
-    def __init__(self, record: types.Record) -> None:
-        """Of a record without padding at its end."""
-        self.record = record
-        super().__init__(f"lanes({record})")
+def block_dtype(record: np.dtype[Any]) -> np.dtype[Any]:
+    """The dtype of a block of `WIDTH` records; all of their numbers have eight bytes."""
+    return np.dtype([(_FIELD, record, (WIDTH,))])
 
 
-class LaneArray(types.Type):
-    """Numba's type of an array field of `WIDTH` records: element k is read and written as lanes."""
+def empty_blocks(record: np.dtype[Any], count: int) -> np.ndarray:
+    """Zeroed blocks for `count` records, at the start of a cache line."""
+    size, number = WIDTH * record.itemsize, -(-count // WIDTH)
+    memory = np.zeros(size * number + 64, np.uint8)
+    begin = -memory.ctypes.data % 64
+    return memory[begin : begin + size * number].view(block_dtype(record))
 
-    def __init__(self, dtype: types.Type, shape: tuple[int, ...], stride: int) -> None:
-        """`shape` elements of `dtype` in each of the records, which are `stride` bytes apart."""
-        self.dtype, self.shape, self.stride = dtype, shape, stride
-        super().__init__(f"lanes(array({dtype}, {shape}, {stride}))")
+
+def _words(blocks: np.ndarray) -> np.ndarray:
+    """The numbers of blocks, (blocks, numbers of a record, `WIDTH`); shares their memory."""
+    return blocks.view(np.uint64).reshape(len(blocks), -1, WIDTH)
 
 
-@register_model(LaneRecord)
-@register_model(LaneArray)
+def read_records(blocks: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """A copy of some records of blocks, by their numbers."""
+    words = _words(blocks)[rows // WIDTH, :, rows % WIDTH]
+    return np.ascontiguousarray(words).view(blocks.dtype[_FIELD].base).reshape(len(rows))
+
+
+def write_records(blocks: np.ndarray, rows: np.ndarray, records: np.ndarray) -> None:
+    """Put one record, or one each, into blocks."""
+    words = np.ascontiguousarray(records).view(np.uint64).reshape(len(records), -1)
+    _words(blocks)[rows // WIDTH, :, rows % WIDTH] = words
+
+
+class Side(types.Type):
+    """Numba's type of records of the type `record` in a block: all of them as lanes, or one as a plain record."""
+
+    def __init__(self, record: types.Record, lanes: bool) -> None:
+        """`lanes`: all `WIDTH`; otherwise one."""
+        self.record, self.lanes = record, lanes
+        super().__init__(f"{'block' if lanes else 'lane'}({record})")
+
+
+class SideArray(types.Type):
+    """Numba's type of an array field of records side by side, or of rows one after the other.
+
+    Its elements have the type `dtype`; from one lane to the next there are `stride` bytes, from one element to the
+    next `step`.
+    """
+
+    def __init__(self, dtype: types.Type, shape: tuple[int, ...], stride: int, step: int, lanes: bool) -> None:
+        """`shape`: of the array in one record."""
+        self.dtype, self.shape, self.stride, self.step, self.lanes = dtype, shape, stride, step, lanes
+        super().__init__(f"side({dtype}, {shape}, {stride}, {step}, {lanes})")
+
+
+@register_model(Side)
+@register_model(SideArray)
 class _PointerModel(models.PrimitiveModel):
     def __init__(self, manager: Any, kind: types.Type) -> None:
         super().__init__(manager, kind, _I8.as_pointer())
 
 
-def _places(builder: Any, first: Any, stride: int, element: Any) -> list[Any]:
-    """Pointers to an element in each record."""
-    return [
-        builder.bitcast(builder.gep(first, [ir.Constant(_I32, k * stride)]), element.as_pointer()) for k in range(WIDTH)
-    ]
+def _value_type(dtype: types.Type, lanes: bool) -> types.Type:
+    """What a kernel reads and writes of a field of this type."""
+    return common_type((dtype,)) if lanes else dtype
 
 
-def _load(context: Any, builder: Any, first: Any, stride: int, dtype: types.Type) -> Any:
-    lanes = common_type((dtype,))
-    found = ir.Constant(context.get_value_type(lanes), ir.Undefined)
-    for k, place in enumerate(_places(builder, first, stride, context.get_data_type(dtype))):
-        found = builder.insert_element(found, builder.load(place), ir.Constant(_I32, k))
+def _load(context: Any, builder: Any, place: Any, dtype: types.Type, lanes: bool, stride: int) -> Any:
+    element = context.get_data_type(dtype)
+    if not lanes:
+        return builder.load(builder.bitcast(place, element.as_pointer()))
+    if stride == 8:
+        return builder.load(builder.bitcast(place, ir.VectorType(element, WIDTH).as_pointer()), align=8)
+    found = ir.Constant(ir.VectorType(element, WIDTH), ir.Undefined)
+    for k in range(WIDTH):
+        one = builder.bitcast(builder.gep(place, [ir.Constant(_I32, k * stride)]), element.as_pointer())
+        found = builder.insert_element(found, builder.load(one), ir.Constant(_I32, k))
     return found
 
 
-def _store(context: Any, builder: Any, value: Any, first: Any, stride: int, dtype: types.Type) -> None:
+def _store(builder: Any, value: Any, place: Any, dtype: types.Type, lanes: bool, stride: int) -> None:
+    if not lanes:
+        builder.store(value, builder.bitcast(place, value.type.as_pointer()))
+        return
     if dtype == types.float32:
         value = builder.fptrunc(value, ir.VectorType(ir.FloatType(), WIDTH))
-    for k, place in enumerate(_places(builder, first, stride, context.get_data_type(dtype))):
-        builder.store(builder.extract_element(value, ir.Constant(_I32, k)), place)
+    if stride == 8:
+        builder.store(value, builder.bitcast(place, value.type.as_pointer()), align=8)
+        return
+    for k in range(WIDTH):
+        one = builder.bitcast(builder.gep(place, [ir.Constant(_I32, k * stride)]), value.type.element.as_pointer())
+        builder.store(builder.extract_element(value, ir.Constant(_I32, k)), one)
 
 
 @infer_getattr
-class _RecordFields(AttributeTemplate):
-    key = LaneRecord
+class _Fields(AttributeTemplate):
+    key = Side
 
-    def generic_resolve(self, kind: LaneRecord, name: str) -> types.Type:
+    def generic_resolve(self, kind: Side, name: str) -> types.Type:
         field = kind.record.typeof(name)
         if isinstance(field, types.NestedArray):
-            return LaneArray(field.dtype, field.shape, kind.record.size)
-        return common_type((field,))
+            return SideArray(field.dtype, field.shape, 8, 8 * WIDTH, kind.lanes)
+        return _value_type(field, kind.lanes)
 
 
-@lower_getattr_generic(LaneRecord)
-def _read_field(context: Any, builder: Any, kind: LaneRecord, value: Any, name: str) -> Any:
+@lower_getattr_generic(Side)
+def _read_field(context: Any, builder: Any, kind: Side, value: Any, name: str) -> Any:
     field, offset = kind.record.typeof(name), kind.record.offset(name)
-    first = builder.gep(value, [ir.Constant(_I32, offset)])
-    return first if isinstance(field, types.NestedArray) else _load(context, builder, first, kind.record.size, field)
+    place = builder.gep(value, [ir.Constant(_I32, WIDTH * offset)])
+    if isinstance(field, types.NestedArray):
+        return place
+    return _load(context, builder, place, field, kind.lanes, 8)
 
 
-@lower_setattr_generic(LaneRecord)
+@lower_setattr_generic(Side)
 def _write_field(context: Any, builder: Any, sig: Any, args: Any, name: str) -> Any:
     kind, given = sig.args
     field, offset = kind.record.typeof(name), kind.record.offset(name)
-    value = context.cast(builder, args[1], given, common_type((field,)))
-    _store(context, builder, value, builder.gep(args[0], [ir.Constant(_I32, offset)]), kind.record.size, field)
+    value = context.cast(builder, args[1], given, _value_type(field, kind.lanes))
+    _store(builder, value, builder.gep(args[0], [ir.Constant(_I32, WIDTH * offset)]), field, kind.lanes, 8)
 
 
 @infer_getattr
 class _ArrayFields(AttributeTemplate):
-    key = LaneArray
+    key = SideArray
 
-    def resolve_shape(self, kind: LaneArray) -> types.Type:
+    def resolve_shape(self, kind: SideArray) -> types.Type:
         return types.UniTuple(types.intp, len(kind.shape))
 
 
-@lower_getattr_generic(LaneArray)
-def _read_shape(context: Any, builder: Any, kind: LaneArray, value: Any, name: str) -> Any:
+@lower_getattr_generic(SideArray)
+def _read_shape(context: Any, builder: Any, kind: SideArray, value: Any, name: str) -> Any:
     return context.get_constant_generic(builder, types.UniTuple(types.intp, len(kind.shape)), kind.shape)
+
+
+def _is_index(kind: types.Type, index: types.Type) -> bool:
+    """Whether an array field can be indexed so: by an integer, or by as many as it has axes."""
+    if not isinstance(kind, SideArray):
+        return False
+    if isinstance(index, types.Integer):
+        return len(kind.shape) == 1
+    return (
+        isinstance(index, types.BaseTuple)
+        and len(index) == len(kind.shape)
+        and all(isinstance(t, types.Integer) for t in index)
+    )
 
 
 @infer_global(operator.getitem)
 class _GetElement(AbstractTemplate):
     def generic(self, args: Any, kws: Any) -> Any:
-        if isinstance(args[0], LaneArray) and isinstance(args[1], types.Integer):
-            return signature(common_type((args[0].dtype,)), args[0], types.intp)
-        return None
+        kind, index = args
+        return signature(_value_type(kind.dtype, kind.lanes), kind, index) if _is_index(kind, index) else None
 
 
 @infer_global(operator.setitem)
 class _SetElement(AbstractTemplate):
     def generic(self, args: Any, kws: Any) -> Any:
-        if isinstance(args[0], LaneArray) and isinstance(args[1], types.Integer):
-            return signature(types.none, args[0], types.intp, common_type((args[0].dtype,)))
-        return None
+        kind, index, _ = args
+        if not _is_index(kind, index):
+            return None
+        return signature(types.none, kind, index, _value_type(kind.dtype, kind.lanes))
 
 
-def _element(context: Any, builder: Any, kind: LaneArray, first: Any, index: Any) -> Any:
-    size = context.get_abi_sizeof(context.get_data_type(kind.dtype))
-    return builder.gep(first, [builder.mul(index, ir.Constant(index.type, size))])
+def _element(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    kind, index = sig.args[0], sig.args[1]
+    if isinstance(index, types.Integer):
+        number = context.cast(builder, args[1], index, types.intp)
+    else:
+        number = ir.Constant(ir.IntType(64), 0)
+        for axis, size in enumerate(kind.shape):
+            part = context.cast(builder, builder.extract_value(args[1], axis), index[axis], types.intp)
+            number = builder.add(builder.mul(number, ir.Constant(number.type, size)), part)
+    return builder.gep(args[0], [builder.mul(number, ir.Constant(number.type, kind.step))])
 
 
-@lower_builtin(operator.getitem, LaneArray, types.Integer)
+@lower_builtin(operator.getitem, SideArray, types.Any)
 def _read_element(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     kind = sig.args[0]
-    return _load(context, builder, _element(context, builder, kind, *args), kind.stride, kind.dtype)
+    return _load(context, builder, _element(context, builder, sig, args), kind.dtype, kind.lanes, kind.stride)
 
 
-@lower_builtin(operator.setitem, LaneArray, types.Integer, Lanes)
+@lower_builtin(operator.setitem, SideArray, types.Any, types.Any)
 def _write_element(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     kind = sig.args[0]
-    place = _element(context, builder, kind, args[0], args[1])
-    _store(context, builder, args[2], place, kind.stride, kind.dtype)
+    _store(builder, args[2], _element(context, builder, sig, args), kind.dtype, kind.lanes, kind.stride)
     return context.get_dummy_value()
 
 
 @intrinsic
-def lanes_at(typingctx, records, i):  # type: ignore[no-untyped-def]
-    """The records i to i + `WIDTH` - 1 of a contiguous array of them."""
-    kind = LaneRecord(records.dtype)
+def block_at(typingctx, blocks, b):  # type: ignore[no-untyped-def]
+    """Block b of an array of them, its records as lanes."""
+    kind = Side(blocks.dtype.typeof(_FIELD).dtype, True)
+
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        array = context.make_array(sig.args[0])(context, builder, args[0])
+        return builder.bitcast(builder.gep(array.data, [args[1]]), _I8.as_pointer())
+
+    return kind(blocks, types.intp), build
+
+
+@intrinsic
+def rows_at(typingctx, records, i):  # type: ignore[no-untyped-def]
+    """The field `row` of the records i to i + `WIDTH` - 1 of a contiguous array, as lanes."""
+    row = records.dtype.typeof("row")
+    kind = SideArray(row.dtype, row.shape, records.dtype.size, row.dtype.bitwidth // 8, True)
 
     def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         array = context.make_array(sig.args[0])(context, builder, args[0])
@@ -180,6 +263,18 @@ def store_lanes(typingctx, array, i, value):  # type: ignore[no-untyped-def]
     return types.void(array, types.intp, FLOAT if array.dtype == types.float64 else BOOL), build
 
 
+def record_at(states: Any, i: int) -> Any:
+    """Record i of an array of records or of blocks, as a plain record."""
+    raise NotImplementedError("for kernels only")
+
+
+@overload(record_at)
+def _record_at(states, i):  # type: ignore[no-untyped-def]
+    if _FIELD in states.dtype.fields:
+        return lambda states, i: lane(block_at(states, i // WIDTH), i % WIDTH)
+    return lambda states, i: states[i]
+
+
 def lane_count(x: Any) -> int:
     """How many lanes a record, number or truth has: `WIDTH`, or 1 if it is a plain one."""
     raise NotImplementedError("for kernels only")
@@ -187,20 +282,25 @@ def lane_count(x: Any) -> int:
 
 @overload(lane_count)
 def _lane_count(x):  # type: ignore[no-untyped-def]
-    count = WIDTH if isinstance(x, LaneRecord | Lanes) else 1
+    count = WIDTH if isinstance(x, Lanes) or (isinstance(x, Side) and x.lanes) else 1
     return lambda x: count
 
 
 @intrinsic
 def lane(typingctx, x, k):  # type: ignore[no-untyped-def]
-    """Lane k of lanes, as a plain number; record k of records, as a plain record; of a plain one, itself."""
-    plain = x.record if isinstance(x, LaneRecord) else x.scalar if isinstance(x, Lanes) else types.unliteral(x)
+    """Lane k of lanes, as a plain number; record k of a block, as a plain record; of a plain one, itself."""
+    plain = types.unliteral(x)
+    if isinstance(x, Lanes):
+        plain = x.scalar
+    elif isinstance(x, Side):
+        plain = Side(x.record, False)
 
     def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         kind = sig.args[0]
-        if isinstance(kind, LaneRecord):
-            place = builder.gep(args[0], [builder.mul(args[1], ir.Constant(args[1].type, kind.record.size))])
-            return builder.bitcast(place, context.get_value_type(kind.record))
-        return builder.extract_element(args[0], args[1]) if isinstance(kind, Lanes) else args[0]
+        if isinstance(kind, Lanes):
+            return builder.extract_element(args[0], args[1])
+        if isinstance(kind, Side) and kind.lanes:
+            return builder.gep(args[0], [builder.mul(args[1], ir.Constant(args[1].type, 8))])
+        return args[0]
 
     return plain(types.unliteral(x), types.intp), build
