@@ -97,7 +97,11 @@ def _build(start: Any, advance: Any, outcome: Any, observe: Any, ready: Any, adv
         n = rewards.shape[0]
         for b in range(states.shape[0]):
             block, first, last = block_at(states, b), b * WIDTH, min(n, (b + 1) * WIDTH)
-            if last - first == WIDTH and all_lanes(load_lanes(live, first)) and all_lanes(ready(block, params, *options)):
+            if (
+                last - first == WIDTH
+                and all_lanes(load_lanes(live, first))
+                and all_lanes(ready(block, params, *options))
+            ):
                 action, row = rows_at(actions, first), rows_at(obs, first)
                 advance_block(block, action, params, *options)
                 block.steps += 1

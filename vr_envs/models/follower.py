@@ -22,19 +22,21 @@ from vr_envs.models.travel_stop import move_with_stop
 
 
 @kernel
-def _answer(i, gamma, w2, params, undulation):
-    """Transfer functions at the angular frequency W of sine i, times its amplitude, and W.
+def _impedance(i, gamma, w2, params, undulation):
+    """Of sine i: its angular frequency W, w2 - W^2 and gamma W, and the sum of the squares of these two."""
+    frequency = wave(i, undulation)[1] * params.speed
+    spring, drag = w2 - frequency * frequency, gamma * frequency
+    return frequency, spring, drag, spring * spring + drag * drag
 
-    From r to u = zeta - r and to zeta:
-    (W^2 + [i gamma W] - i gamma W) / (w2 - W^2 + i gamma W)  and  (w2 + [i gamma W]) / (w2 - W^2 + i gamma W).
 
-    Returns: real and imaginary part of the first one, of the second one, W.
+@kernel
+def _answer(impedance, share, w2, params):
+    """What follows from an impedance, times the sine's amplitude, where `share` is that over the sum of squares.
+
+    Returns: real and imaginary part of the transfer function from r to u = zeta - r, and from r to zeta, and W.
     """
-    amplitude, number = wave(i, undulation)
-    frequency = number * params.speed
+    frequency, spring, drag, _ = impedance
     square = frequency * frequency
-    drag, spring = gamma * frequency, w2 - square
-    share = amplitude / (spring * spring + drag * drag)
     passed, held = params.relative * drag, (params.relative - 1.0) * drag
     return (
         (square * spring + held * drag) * share,
@@ -47,11 +49,19 @@ def _answer(i, gamma, w2, params, undulation):
 
 @kernel
 def steady_answers(gamma, w2, params, undulation):
-    """What `over_sines` needs to know of spring and damper."""
+    """Transfer functions for `over_sines`, at the angular frequencies W of the sines.
+
+    From r to u = zeta - r and to zeta they are
+    (W^2 + [i gamma W] - i gamma W) / (w2 - W^2 + i gamma W)  and  (w2 + [i gamma W]) / (w2 - W^2 + i gamma W).
+    """
+    a = _impedance(0, gamma, w2, params, undulation)
+    b = _impedance(1, gamma, w2, params, undulation)
+    c = _impedance(2, gamma, w2, params, undulation)
+    inverse = 1.0 / (a[3] * b[3] * c[3])  # a division takes as long as all the rest
     return (
-        _answer(0, gamma, w2, params, undulation),
-        _answer(1, gamma, w2, params, undulation),
-        _answer(2, gamma, w2, params, undulation),
+        _answer(a, wave(0, undulation)[0] * (inverse * (b[3] * c[3])), w2, params),
+        _answer(b, wave(1, undulation)[0] * (inverse * (a[3] * c[3])), w2, params),
+        _answer(c, wave(2, undulation)[0] * (inverse * (a[3] * b[3])), w2, params),
     )
 
 

@@ -9,9 +9,9 @@ from __future__ import annotations
 import dataclasses
 import math
 
-from vr_envs.models.elementary import cos_sin
 from vr_envs.models.jit import kernel
 from vr_envs.models.noise import uniform
+from vr_envs.models.phasor import cos_sin
 from vr_envs.models.record import quantity
 
 WAVES = 3
