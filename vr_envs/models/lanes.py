@@ -259,9 +259,7 @@ def _conversion(target: types.Type, name: str, doc: str) -> Any:
 
 
 to_float = _conversion(types.float64, "to_float", "An integer as a float.")
-to_int = _conversion(
-    types.int64, "to_int", "A float cut to an integer of 64 bits, a truth as 0 or 1."
-)
+to_int = _conversion(types.int64, "to_int", "A float cut to an integer of 64 bits, a truth as 0 or 1.")
 to_key = _conversion(types.uint64, "to_key", "An integer as one of 64 bits without sign.")
 
 
