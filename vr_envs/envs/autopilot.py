@@ -136,7 +136,7 @@ def advance_evenly(
 def _settle(state, before, params, demands, plan, metrics):  # type: ignore[no-untyped-def]
     """After the aircraft has moved, from the vertical speed `before` [m/s]: load factors, and demands that ramp."""
     if metrics is not None:
-        take_loads(state, (state.vertical_speed - before) / params.dt)
+        take_loads(state, (state.vertical_speed - before) * (1.0 / params.dt))
     if demands is not None or plan is not None:
         demands_at(state, to_float(state.steps + 1) * params.dt)
 

@@ -58,6 +58,12 @@ def _signed_log(error, channel):  # type: ignore[no-untyped-def]
 
 
 @kernel
+def delays_of(lags):  # type: ignore[no-untyped-def]
+    """Time constants [s] of the three channels."""
+    return lags.vertical, lags.along, lags.turn
+
+
+@kernel
 def observe(
     state, row, params, envelope, energy, lags, atmosphere, wind, shear, turbulence, track, textbook, demands,
     plan, sensing, metrics,
@@ -69,24 +75,23 @@ def observe(
         1.0 / max(params.acceleration, params.deceleration),
         1.0 / params.turn,
     )
-    delays = (0.0, 0.0, 0.0)
-    if lags is not None:
-        delays = (lags.vertical, lags.along, lags.turn)
     away = errors(state.demand, altitude, speed, heading)
     rates = (climb, acceleration, turn)
     changes = (climb, airspeed_rate(altitude, speed, climb, acceleration, atmosphere), turn)
     for channel in range(3):
         error = away[channel]
-        lead = error - delays[channel] * (changes[channel] - state.demand_rate[channel])
+        lead = error
+        if lags is not None:
+            lead -= delays_of(lags)[channel] * (changes[channel] - state.demand_rate[channel])
         _put(row, channel, _signed_log(error, channel))
-        _put(row, 3 + channel, error / (BAND[channel] + abs(error)))
-        _put(row, 6 + channel, lead / (BAND[channel] + abs(lead)))
+        row[3 + channel] = error / (BAND[channel] + abs(error))
+        row[6 + channel] = lead / (BAND[channel] + abs(lead))
         _put(row, 9 + channel, rates[channel] * per_limit[channel])
         _put(row, 12 + channel, state.demand_rate[channel] * per_limit[channel])
-        _put(row, 17 + channel, state.action[channel])
-        _put(row, 20 + channel, state.earlier_action[channel])
-    _put(row, 15, 2.0 * (speed - params.stall_speed) / (params.top_speed - params.stall_speed) - 1.0)
-    _put(row, 16, 2.0 * altitude / params.ceiling - 1.0)
+        row[17 + channel] = state.action[channel]
+        row[20 + channel] = state.earlier_action[channel]
+    _put(row, 15, (speed - params.stall_speed) * (2.0 / (params.top_speed - params.stall_speed)) - 1.0)
+    _put(row, 16, altitude * (2.0 / params.ceiling) - 1.0)
 
 
 def read(observations: np.ndarray, scene: Scene) -> Reading:

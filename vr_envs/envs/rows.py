@@ -10,7 +10,8 @@ import numpy as np
 from vr_envs.envs.scene import Scene
 from vr_envs.envs.task import Task
 from vr_envs.models.jit import kernel
-from vr_envs.models.lane_records import block_at, lane, load_lanes, record_at, rows_at, store_lanes
+from vr_envs.models.lane_records import block_at, lane, record_at
+from vr_envs.models.lane_rows import blank_rows, gathered, load_lanes, scatter, store_lanes
 from vr_envs.models.lanes import WIDTH, all_lanes
 
 LOCKSTEP_FROM = 4 * WIDTH
@@ -102,7 +103,7 @@ def _build(start: Any, advance: Any, outcome: Any, observe: Any, ready: Any, adv
                 and all_lanes(load_lanes(live, first))
                 and all_lanes(ready(block, params, *options))
             ):
-                action, row = rows_at(actions, first), rows_at(obs, first)
+                action, row = gathered(actions, first), blank_rows(obs)
                 advance_block(block, action, params, *options)
                 block.steps += 1
                 reward, ended = outcome(block, action, params, *options)
@@ -110,6 +111,7 @@ def _build(start: Any, advance: Any, outcome: Any, observe: Any, ready: Any, adv
                 store_lanes(terminated, first, ended)
                 store_lanes(truncated, first, block.steps >= limit)
                 observe(block, row, params, *options)
+                scatter(row, obs, first)
             else:
                 for i in range(first, last):
                     if live[i]:

@@ -19,12 +19,25 @@ from vr_envs.models.lanes import any_lane, where
 _POINTS, _WEIGHTS = (tuple(float(v) for v in half) for half in np.polynomial.legendre.leggauss(10))
 
 
+def _bessel_series(order: int, terms: int) -> tuple[float, ...]:
+    """Coefficients of j0 (order 0) or j1(q) / q (order 1) in q^2, the highest first."""
+    row = [1.0 / (2 * order + 1)]
+    for k in range(1, terms):
+        row.append(-row[-1] / (2 * k * (2 * k + 2 * order + 1)))
+    return tuple(reversed(row))
+
+
+_J0, _J1 = _bessel_series(0, 8), _bessel_series(1, 8)
+
+
 @kernel
 def spherical_bessel(q):  # type: ignore[no-untyped-def]
     """Spherical Bessel functions j0(q) = sin q / q and j1(q) = (sin q - q cos q) / q^2."""
     s = q * q
-    j0 = 1 - s / 6 * (1 - s / 20 * (1 - s / 42 * (1 - s / 72 * (1 - s / 110 * (1 - s / 156)))))
-    j1 = q / 3 * (1 - s / 10 * (1 - s / 28 * (1 - s / 54 * (1 - s / 88 * (1 - s / 130 * (1 - s / 180))))))
+    j0, j1 = 0.0 * s, 0.0 * s
+    for a, b in zip(_J0, _J1):  # noqa: B905 (numba knows no strict)
+        j0, j1 = j0 * s + a, j1 * s + b
+    j1 *= q
     large = s >= 0.25
     if any_lane(large):
         cosine, sine = cos_sin(q)

@@ -3,7 +3,7 @@
 In a *block* field f of the records 0 to 7 follows field e of the records 0 to 7, so that `state.speed` of a block is
 one load of a vector. A block has the size of eight records; `read_records` and `write_records` go from
 one to the other. `block_at(blocks, b)` is to a kernel what `states[i]` is, for eight records; `lane(block, k)` is record k
-in it as a plain one. Actions and observations are rows one after the other: `rows_at` gathers and scatters them.
+in it as a plain one.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from numba.core.imputils import lower_getattr_generic, lower_setattr_generic
 from numba.core.typing.templates import AbstractTemplate, AttributeTemplate, infer_getattr, infer_global, signature
 from numba.extending import intrinsic, lower_builtin, overload, register_model
 
-from vr_envs.models.lanes import BOOL, FLOAT, WIDTH, Lanes, common_type
+from vr_envs.models.lanes import WIDTH, Lanes, common_type
 
 _I8, _I32 = ir.IntType(8), ir.IntType(32)
 _FIELD = "lanes"
@@ -65,16 +65,12 @@ class Side(types.Type):
 
 
 class SideArray(types.Type):
-    """Numba's type of an array field of records side by side, or of rows one after the other.
+    """Numba's type of arrays side by side, of each element `WIDTH` ones: fields of records in a block, or rows."""
 
-    Its elements have the type `dtype`; from one lane to the next there are `stride` bytes, from one element to the
-    next `step`.
-    """
-
-    def __init__(self, dtype: types.Type, shape: tuple[int, ...], stride: int, step: int, lanes: bool) -> None:
-        """`shape`: of the array in one record."""
-        self.dtype, self.shape, self.stride, self.step, self.lanes = dtype, shape, stride, step, lanes
-        super().__init__(f"side({dtype}, {shape}, {stride}, {step}, {lanes})")
+    def __init__(self, dtype: types.Type, shape: tuple[int, ...], lanes: bool) -> None:
+        """`shape`: of one of the arrays; `lanes`: all of them, or one."""
+        self.dtype, self.shape, self.lanes = dtype, shape, lanes
+        super().__init__(f"side({dtype}, {shape}, {lanes})")
 
 
 @register_model(Side)
@@ -89,31 +85,21 @@ def _value_type(dtype: types.Type, lanes: bool) -> types.Type:
     return common_type((dtype,)) if lanes else dtype
 
 
-def _load(context: Any, builder: Any, place: Any, dtype: types.Type, lanes: bool, stride: int) -> Any:
-    element = context.get_data_type(dtype)
-    if not lanes:
-        return builder.load(builder.bitcast(place, element.as_pointer()))
-    if stride == 8:
-        return builder.load(builder.bitcast(place, ir.VectorType(element, WIDTH).as_pointer()), align=8)
-    found = ir.Constant(ir.VectorType(element, WIDTH), ir.Undefined)
-    for k in range(WIDTH):
-        one = builder.bitcast(builder.gep(place, [ir.Constant(_I32, k * stride)]), element.as_pointer())
-        found = builder.insert_element(found, builder.load(one), ir.Constant(_I32, k))
-    return found
+def _vector(context: Any, dtype: types.Type) -> Any:
+    return ir.VectorType(context.get_data_type(dtype), WIDTH)
 
 
-def _store(builder: Any, value: Any, place: Any, dtype: types.Type, lanes: bool, stride: int) -> None:
-    if not lanes:
-        builder.store(value, builder.bitcast(place, value.type.as_pointer()))
-        return
-    if dtype == types.float32:
-        value = builder.fptrunc(value, ir.VectorType(ir.FloatType(), WIDTH))
-    if stride == 8:
-        builder.store(value, builder.bitcast(place, value.type.as_pointer()), align=8)
-        return
-    for k in range(WIDTH):
-        one = builder.bitcast(builder.gep(place, [ir.Constant(_I32, k * stride)]), value.type.element.as_pointer())
-        builder.store(builder.extract_element(value, ir.Constant(_I32, k)), one)
+def _load(context: Any, builder: Any, place: Any, dtype: types.Type, lanes: bool) -> Any:
+    kind = _vector(context, dtype) if lanes else context.get_data_type(dtype)
+    size = context.get_abi_sizeof(context.get_data_type(dtype))
+    return builder.load(builder.bitcast(place, kind.as_pointer()), align=size)
+
+
+def _store(context: Any, builder: Any, value: Any, place: Any, dtype: types.Type) -> None:
+    if dtype == types.float32 and isinstance(value.type, ir.VectorType):
+        value = builder.fptrunc(value, _vector(context, dtype))
+    size = context.get_abi_sizeof(context.get_data_type(dtype))
+    builder.store(value, builder.bitcast(place, value.type.as_pointer()), align=size)
 
 
 @infer_getattr
@@ -123,7 +109,7 @@ class _Fields(AttributeTemplate):
     def generic_resolve(self, kind: Side, name: str) -> types.Type:
         field = kind.record.typeof(name)
         if isinstance(field, types.NestedArray):
-            return SideArray(field.dtype, field.shape, 8, 8 * WIDTH, kind.lanes)
+            return SideArray(field.dtype, field.shape, kind.lanes)
         return _value_type(field, kind.lanes)
 
 
@@ -133,7 +119,7 @@ def _read_field(context: Any, builder: Any, kind: Side, value: Any, name: str) -
     place = builder.gep(value, [ir.Constant(_I32, WIDTH * offset)])
     if isinstance(field, types.NestedArray):
         return place
-    return _load(context, builder, place, field, kind.lanes, 8)
+    return _load(context, builder, place, field, kind.lanes)
 
 
 @lower_setattr_generic(Side)
@@ -141,7 +127,7 @@ def _write_field(context: Any, builder: Any, sig: Any, args: Any, name: str) -> 
     kind, given = sig.args
     field, offset = kind.record.typeof(name), kind.record.offset(name)
     value = context.cast(builder, args[1], given, _value_type(field, kind.lanes))
-    _store(builder, value, builder.gep(args[0], [ir.Constant(_I32, WIDTH * offset)]), field, kind.lanes, 8)
+    _store(context, builder, value, builder.gep(args[0], [ir.Constant(_I32, WIDTH * offset)]), field)
 
 
 @infer_getattr
@@ -195,19 +181,20 @@ def _element(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         for axis, size in enumerate(kind.shape):
             part = context.cast(builder, builder.extract_value(args[1], axis), index[axis], types.intp)
             number = builder.add(builder.mul(number, ir.Constant(number.type, size)), part)
-    return builder.gep(args[0], [builder.mul(number, ir.Constant(number.type, kind.step))])
+    size = WIDTH * context.get_abi_sizeof(context.get_data_type(kind.dtype))
+    return builder.gep(args[0], [builder.mul(number, ir.Constant(number.type, size))])
 
 
 @lower_builtin(operator.getitem, SideArray, types.Any)
 def _read_element(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     kind = sig.args[0]
-    return _load(context, builder, _element(context, builder, sig, args), kind.dtype, kind.lanes, kind.stride)
+    return _load(context, builder, _element(context, builder, sig, args), kind.dtype, kind.lanes)
 
 
 @lower_builtin(operator.setitem, SideArray, types.Any, types.Any)
 def _write_element(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     kind = sig.args[0]
-    _store(builder, args[2], _element(context, builder, sig, args), kind.dtype, kind.lanes, kind.stride)
+    _store(context, builder, args[2], _element(context, builder, sig, args), kind.dtype)
     return context.get_dummy_value()
 
 
@@ -221,46 +208,6 @@ def block_at(typingctx, blocks, b):  # type: ignore[no-untyped-def]
         return builder.bitcast(builder.gep(array.data, [args[1]]), _I8.as_pointer())
 
     return kind(blocks, types.intp), build
-
-
-@intrinsic
-def rows_at(typingctx, records, i):  # type: ignore[no-untyped-def]
-    """The field `row` of the records i to i + `WIDTH` - 1 of a contiguous array, as lanes."""
-    row = records.dtype.typeof("row")
-    kind = SideArray(row.dtype, row.shape, records.dtype.size, row.dtype.bitwidth // 8, True)
-
-    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        array = context.make_array(sig.args[0])(context, builder, args[0])
-        return builder.bitcast(builder.gep(array.data, [args[1]]), _I8.as_pointer())
-
-    return kind(records, types.intp), build
-
-
-@intrinsic
-def load_lanes(typingctx, array, i):  # type: ignore[no-untyped-def]
-    """The elements i to i + `WIDTH` - 1 of a contiguous array of truths, as a mask."""
-
-    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        data = context.make_array(sig.args[0])(context, builder, args[0]).data
-        block = ir.VectorType(context.get_data_type(array.dtype), WIDTH)
-        stored = builder.load(builder.bitcast(builder.gep(data, [args[1]]), block.as_pointer()), align=1)
-        return builder.trunc(stored, context.get_value_type(BOOL))
-
-    return BOOL(array, types.intp), build
-
-
-@intrinsic
-def store_lanes(typingctx, array, i, value):  # type: ignore[no-untyped-def]
-    """Write lanes to the elements i to i + `WIDTH` - 1 of a contiguous array of floats or truths."""
-
-    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        data = context.make_array(sig.args[0])(context, builder, args[0]).data
-        block = ir.VectorType(context.get_data_type(array.dtype), WIDTH)
-        given = args[2] if sig.args[2] == FLOAT else builder.zext(args[2], block)
-        builder.store(given, builder.bitcast(builder.gep(data, [args[1]]), block.as_pointer()), align=1)
-        return context.get_dummy_value()
-
-    return types.void(array, types.intp, FLOAT if array.dtype == types.float64 else BOOL), build
 
 
 def record_at(states: Any, i: int) -> Any:
