@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from llvmlite import ir
 from numba import types
+from numba.core import cgutils
 from numba.core.datamodel import models
 from numba.core.imputils import lower_getattr_generic, lower_setattr_generic
 from numba.core.typing.templates import AbstractTemplate, AttributeTemplate, infer_getattr, infer_global, signature
@@ -176,14 +177,24 @@ class _GetElements(AbstractTemplate):
 
 @lower_builtin(operator.getitem, SideArray, Lanes)
 def _gather(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    i64 = ir.IntType(64)
     element = context.get_data_type(sig.args[0].dtype)
-    first = builder.bitcast(args[0], element.as_pointer())
-    found = ir.Constant(ir.VectorType(element, WIDTH), ir.Undefined)
-    for k in range(WIDTH):
-        number = builder.mul(builder.extract_element(args[1], ir.Constant(_I32, k)), ir.Constant(ir.IntType(64), WIDTH))
-        one = builder.load(builder.gep(first, [builder.add(number, ir.Constant(number.type, k))]))
-        found = builder.insert_element(found, one, ir.Constant(_I32, k))
-    return found
+    numbers, vector, truths = (ir.VectorType(t, WIDTH) for t in (i64, element, ir.IntType(1)))
+    pointers = ir.VectorType(element.as_pointer(), WIDTH)
+    first = builder.insert_element(
+        ir.Constant(numbers, ir.Undefined), builder.ptrtoint(args[0], i64), ir.Constant(_I32, 0)
+    )
+    first = builder.shuffle_vector(first, first, ir.Constant(ir.VectorType(_I32, WIDTH), [0] * WIDTH))
+    ahead = builder.mul(args[1], ir.Constant(numbers, [8 * WIDTH] * WIDTH))
+    own = ir.Constant(numbers, [8 * k for k in range(WIDTH)])
+    places = builder.inttoptr(builder.add(first, builder.add(ahead, own)), pointers)
+    gather = cgutils.get_or_insert_function(
+        builder.module,
+        ir.FunctionType(vector, [pointers, _I32, truths, vector]),
+        f"llvm.masked.gather.v{WIDTH}{'f' if sig.args[0].dtype == types.float64 else 'i'}64.v{WIDTH}p0",
+    )
+    everywhere, blank = ir.Constant(truths, [True] * WIDTH), ir.Constant(vector, ir.Undefined)
+    return builder.call(gather, [places, ir.Constant(_I32, 8), everywhere, blank])
 
 
 @infer_global(operator.setitem)
