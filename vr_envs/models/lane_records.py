@@ -140,7 +140,7 @@ class _ArrayFields(AttributeTemplate):
 
 @lower_getattr_generic(SideArray)
 def _read_shape(context: Any, builder: Any, kind: SideArray, value: Any, name: str) -> Any:
-    return context.get_constant(types.UniTuple(types.intp, len(kind.shape)), kind.shape)
+    return context.get_constant_generic(builder, types.UniTuple(types.intp, len(kind.shape)), kind.shape)
 
 
 def _is_index(kind: types.Type, index: types.Type) -> bool:
