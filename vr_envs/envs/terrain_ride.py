@@ -157,8 +157,10 @@ def metrics(states: np.ndarray, scene: Scene) -> dict[str, np.ndarray]:
 
 
 def _lockstep_possible(scene: Scene) -> bool:
-    """A tyre, a choice of speed and the textbook's steps go record by record."""
-    return all(scene.options[name] is None for name in ("road", "tyre", "cruise", "textbook"))
+    """Contacts of a tyre, a choice of speed, sines on a road and what is rare on one go record by record."""
+    present = {name for name, option in scene.options.items() if option is not None}
+    rare = {"tyre", "cruise", "textbook", "profile", "obstacle", "wheel"}
+    return not present & rare and not {"undulation", "road"} <= present
 
 
 def _control_interval(scene: Scene) -> float:

@@ -16,9 +16,11 @@ speed changes evenly; over sines at constant speed the particular solution is a 
 from __future__ import annotations
 
 from vr_envs.models.jit import kernel
+from vr_envs.models.lane_records import lane, lane_count
+from vr_envs.models.lanes import any_lane, negate, where
 from vr_envs.models.spring import free_motion
 from vr_envs.models.terrain import WAVES, wave
-from vr_envs.models.travel_stop import move_with_stop
+from vr_envs.models.travel_stop import move_with_stop, stays_free
 
 
 @kernel
@@ -78,23 +80,39 @@ def over_sines(state, answers):
 
 
 @kernel
-def follow(state, t, gamma, w2, push, slope, speed, acceleration, params, stop, cruise):
-    """Ride for the time t over ground of one slope, from `speed` [m/s] at a constant forward acceleration [m/s^2]."""
+def _follow_to_stop(state, t, u, rate, climb, gamma, w2, push, params, stop):
+    """`follow` of one record that may touch or leave a stop; `climb`: r' at the end."""
+    u, rate, state.side, touches, fault = move_with_stop(
+        u, rate, state.side, gamma, w2, push, stop.rate / params.mass, stop.travel, t
+    )
+    state.touches += touches
+    if fault:
+        state.fault = True
+    state.travel, state.velocity = u, rate + climb
+
+
+@kernel
+def follow(state, moves, t, gamma, w2, push, slope, speed, acceleration, params, stop, cruise):
+    """Ride for the time t over ground of one slope, from `speed` [m/s] at a constant forward acceleration [m/s^2].
+
+    Records that `moves` does not hold for stay as they are.
+    """
     climb = slope * speed
     if cruise is not None:
         push -= slope * acceleration
     push -= (1.0 - params.relative) * gamma * climb
-    u, rate = state.travel, state.velocity - climb
-    if stop is None:
-        x, rate = free_motion(u - push / w2, rate, gamma, w2, t)
-        u = x + push / w2
-    else:
-        u, rate, state.side, touches, fault = move_with_stop(
-            u, rate, state.side, gamma, w2, push, stop.rate / params.mass, stop.travel, t
-        )
-        state.touches += touches
-        if fault:
-            state.fault = True
+    u, velocity = state.travel, state.velocity
+    rate, centre = velocity - climb, push / w2
     if cruise is not None:
         climb += slope * acceleration * t
-    state.travel, state.velocity = u, rate + climb
+    x, end_rate = free_motion(u - centre, rate, gamma, w2, t)
+    state.travel, state.velocity = where(moves, x + centre, u), where(moves, end_rate + climb, velocity)
+    if stop is not None:
+        near = moves & negate(stays_free(u, rate, state.side, w2, centre, stop.travel, t))
+        if any_lane(near):
+            for k in range(lane_count(near)):
+                if lane(near, k):
+                    _follow_to_stop(
+                        lane(state, k), lane(t, k), lane(u, k), lane(rate, k), lane(climb, k), lane(gamma, k),
+                        lane(w2, k), lane(push, k), params, stop,
+                    )  # fmt: skip

@@ -19,7 +19,7 @@ from numba.core.imputils import lower_getattr_generic, lower_setattr_generic
 from numba.core.typing.templates import AbstractTemplate, AttributeTemplate, infer_getattr, infer_global, signature
 from numba.extending import intrinsic, lower_builtin, overload, register_model
 
-from vr_envs.models.lanes import WIDTH, Lanes, common_type
+from vr_envs.models.lanes import INT, WIDTH, Lanes, common_type
 
 _I8, _I32 = ir.IntType(8), ir.IntType(32)
 _FIELD = "lanes"
@@ -161,6 +161,29 @@ class _GetElement(AbstractTemplate):
     def generic(self, args: Any, kws: Any) -> Any:
         kind, index = args
         return signature(_value_type(kind.dtype, kind.lanes), kind, index) if _is_index(kind, index) else None
+
+
+@infer_global(operator.getitem)
+class _GetElements(AbstractTemplate):
+    """In each record the element whose number stands in its lane."""
+
+    def generic(self, args: Any, kws: Any) -> Any:
+        kind, index = args
+        if isinstance(kind, SideArray) and kind.lanes and len(kind.shape) == 1 and index == INT:
+            return signature(_value_type(kind.dtype, True), kind, index)
+        return None
+
+
+@lower_builtin(operator.getitem, SideArray, Lanes)
+def _gather(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    element = context.get_data_type(sig.args[0].dtype)
+    first = builder.bitcast(args[0], element.as_pointer())
+    found = ir.Constant(ir.VectorType(element, WIDTH), ir.Undefined)
+    for k in range(WIDTH):
+        number = builder.mul(builder.extract_element(args[1], ir.Constant(_I32, k)), ir.Constant(ir.IntType(64), WIDTH))
+        one = builder.load(builder.gep(first, [builder.add(number, ir.Constant(number.type, k))]))
+        found = builder.insert_element(found, one, ir.Constant(_I32, k))
+    return found
 
 
 @infer_global(operator.setitem)

@@ -35,8 +35,9 @@ class MeterState:
 def sample(state, gamma, params, tyre, metrics):
     """Measure at the end of a tick: `state.acceleration` and `state.travel_rate` are the means over it.
 
-    Without `metrics` that is the weighted acceleration alone. The actuator's force is the one commanded, or that of a damper of `gamma` [1/s]: its mean over the tick, or, where
-    it acts on the mass's own velocity, what it is at the end.
+    Without `metrics` that is the weighted acceleration alone. The actuator's force is the one commanded, or that of a
+    damper of `gamma` [1/s]: its mean over the tick, or, where it acts on the mass's own velocity, what it is at the
+    end.
     """
     acceleration, travel = state.acceleration, state.travel
     weighted = weight(state.weighting, acceleration)

@@ -20,6 +20,7 @@ from vr_envs.models.cruise import acceleration_to, commanded_speed, time_to_cove
 from vr_envs.models.elementary import exp
 from vr_envs.models.follower import follow, over_sines, steady_answers
 from vr_envs.models.jit import kernel
+from vr_envs.models.lanes import any_lane, where
 from vr_envs.models.quarter_car import drive, settle
 from vr_envs.models.record import quantity
 from vr_envs.models.ride_meter import MeterState, sample
@@ -185,8 +186,8 @@ def ride(
             state.travel -= travel
             state.velocity -= velocity
     left, speed, acceleration = t, params.speed, 0.0
-    while left > 0.0:
-        piece, slope, passes, arrives = left, 0.0, False, False
+    while any_lane(left > 0.0):
+        moves, piece, slope, passes, arrives = left > 0.0, left, 0.0, False, False
         if cruise is not None:
             speed = state.speed
             acceleration, time = acceleration_to(speed, target, cruise)
@@ -196,23 +197,27 @@ def ride(
             slope, time = slope_of_road(state, road), state.to_knot / speed
             if cruise is not None:
                 time = time_to_cover(state.to_knot, speed, acceleration)
-            if time <= piece:
-                piece, passes, arrives = time, True, arrives and time == piece
+            passes = moves & (time <= piece)
+            if cruise is not None:
+                arrives = arrives and (not passes or time == piece)
+            piece = where(passes, time, piece)
         way = speed * piece
         if cruise is not None:
             way += 0.5 * acceleration * piece * piece
             state.speed = target if arrives else speed + acceleration * piece
         if tyre is None:
-            follow(state, piece, gamma, w2, force + state.payload, slope, speed, acceleration, params, stop, cruise)
+            follow(
+                state, moves, piece, gamma, w2, force + state.payload,
+                slope, speed, acceleration, params, stop, cruise,
+            )  # fmt: skip
             if undulation is not None:
                 roll_undulation(state, way, undulation)
         else:
             drive(state, piece, gamma, w2, force, slope, speed, acceleration, params, undulation, tyre, stop)
         if road is not None:
-            if passes:
-                pass_knot(state, road, profile, bumps, obstacle, wheel)
-            else:
-                state.to_knot = max(0.0, state.to_knot - way)
+            state.to_knot = max(0.0, state.to_knot - way)
+            if any_lane(passes):
+                pass_knot(state, passes, road, profile, bumps, obstacle, wheel)
         state.distance += way
         left -= piece
     if tyre is None:
