@@ -70,7 +70,7 @@ def test_a_new_limit_holds_from_the_next_reset(toy, monkeypatch):
 
 
 def test_without_the_option_metrics_an_episode_ends_without_any(toy, monkeypatch):
-    """For a task with an option of that name; the toy's kernels have no place for one, so the scene is changed after."""
+    """The toy has no such option: the scene is changed where the environment looks for it."""
     monkeypatch.setattr(gym.registry[toy], "max_episode_steps", 1)
     env = gym.make(toy).unwrapped
     assert isinstance(env, ScalarEnv)
