@@ -92,7 +92,7 @@ def test_logarithm():
     near_one = 10.0 ** RNG.uniform(-16.0, -1.0, 300)
     cuts = [1.0, math.sqrt(0.5), math.sqrt(2.0), 5e-324, 2.0**-1022, np.nextafter(2.0**-1022, 0.0), 1.7e308]
     x = [*cuts, *(1.0 + near_one), *(1.0 - near_one), *RNG.uniform(0.5, 2.0, 500), *10.0 ** RNG.uniform(-323, 308, 400)]
-    assert worst(log, lambda a, _: mpmath.log(a), x) < 0.6
+    assert worst(log, lambda a, _: mpmath.log(a), x) < 1.0
 
 
 @pytest.mark.parametrize("which, exact", [("first", mpmath.cos), ("second", mpmath.sin)])
