@@ -1,4 +1,4 @@
-"""A world of one record, with the arrays that its kernels read and write: what a step costs is the kernel's own time."""
+"""A world of one record, with the arrays that its kernels read and write: a step costs little more than the kernel."""
 
 from __future__ import annotations
 
@@ -24,9 +24,11 @@ class Single:
         self._allot()
 
     def __getstate__(self) -> dict[str, Any]:
-        return {"world": self.world, "limit": self.limit}  # what is bound cannot be copied
+        """What a copy is made from: what is bound cannot be copied."""
+        return {"world": self.world, "limit": self.limit}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
+        """Bind anew."""
         self.__dict__.update(state)
         self._allot()
 

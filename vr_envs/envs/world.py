@@ -52,7 +52,6 @@ class World:
         self.task = task
         self.scene = resolve(task, scene, **choices)
         self.params, self.options = self.scene.records()
-        self.judged = self.scene.options.get("metrics", ...) is not None  # a task without that option is always judged
         self.simulator = simulator_of(task.name, self.scene)
         simulated = self.simulator is not None
         lockstep = not simulated and in_lockstep(task, self.scene, n)
@@ -152,7 +151,7 @@ class World:
 
     def metrics(self, rows: np.ndarray) -> dict[str, np.ndarray]:
         """Domain metrics of the given rows' episodes so far, one array per name; none if the scene does without."""
-        if not self.judged:
+        if not self.scene.judged:
             return {}
         return dict(self.task.metrics(self.storage.read(rows), self.scene))
 

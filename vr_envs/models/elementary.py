@@ -79,32 +79,45 @@ def exp(x):
 
 
 @kernel
-def _log_parts(x):
-    """ln x, x > 0, as a sum of two numbers to about 60 bits, the second of the size of an ulp of the first or less."""
+def _split(x):
+    """(k, f) with x = 2^k (1 + f), x > 0, and 1 + f between sqrt(1/2) and sqrt(2)."""
     small = x < 2.0**-1022
     bits = bits_of_float(where(small, x * 2.0**54, x)) - _SQRT_HALF_BITS
-    # x = 2^k (1 + f) with 1 + f between sqrt(1/2) and sqrt(2); ln(1 + f) = 2 artanh(s), s = f / (2 + f)
     k = float_of_bits((bits >> 52) + _ROUND_BITS) - where(small, _ROUND + 54.0, _ROUND)
-    f = float_of_bits((bits & _MANTISSA) + _SQRT_HALF_BITS) - 1.0
-    inverse = 1.0 / (2.0 + f)
-    s = f * inverse
-    s_high, sum_high = float_of_bits(bits_of_float(s) & _HIGH_26), float_of_bits(bits_of_float(2.0 + f) & _HIGH_26)
-    s_low = ((f - s_high * sum_high) - s_high * (f - (sum_high - 2.0))) * inverse
+    return k, float_of_bits((bits & _MANTISSA) + _SQRT_HALF_BITS) - 1.0
+
+
+@kernel
+def _artanh_rest(s):
+    """2 artanh(s) / s - 2 for |s| < 0.172; ln(1 + f) = 2 artanh(s) with s = f / (2 + f)."""
     z = s * s
     w = z * z
-    series = z * (_L1 + w * (_L3 + w * (_L5 + w * _L7))) + w * (_L2 + w * (_L4 + w * _L6))
-    low = 2.0 * s_low + (s * series + k * _LN2_LOW)
-    whole, part = k * _LN2_HIGH, 2.0 * s_high
-    high = whole + part
-    low += (whole - high) + part  # exact: where k is not 0, `whole` is the larger one
-    total = high + low
-    return total, (high - total) + low
+    return z * (_L1 + w * (_L3 + w * (_L5 + w * _L7))) + w * (_L2 + w * (_L4 + w * _L6))
 
 
 @kernel
 def log(x):
     """ln x for x > 0."""
-    return _log_parts(x)[0]
+    k, f = _split(x)
+    s = f / (2.0 + f)
+    half = 0.5 * f * f
+    return k * _LN2_HIGH - ((half - (s * (half + _artanh_rest(s)) + k * _LN2_LOW)) - f)
+
+
+@kernel
+def _log_parts(x):
+    """ln x, x > 0, as a sum of two numbers to about 60 bits, the second of the size of an ulp of the first or less."""
+    k, f = _split(x)
+    inverse = 1.0 / (2.0 + f)
+    s = f * inverse
+    s_high, sum_high = float_of_bits(bits_of_float(s) & _HIGH_26), float_of_bits(bits_of_float(2.0 + f) & _HIGH_26)
+    s_low = ((f - s_high * sum_high) - s_high * (f - (sum_high - 2.0))) * inverse
+    low = 2.0 * s_low + (s * _artanh_rest(s) + k * _LN2_LOW)
+    whole, part = k * _LN2_HIGH, 2.0 * s_high
+    high = whole + part
+    low += (whole - high) + part  # exact: where k is not 0, `whole` is the larger one
+    total = high + low
+    return total, (high - total) + low
 
 
 @kernel

@@ -89,7 +89,6 @@ def bound(function: Any, *arguments: Any) -> Callable[[], Any]:
     """The call `function(*arguments)` of a kernel with its arguments converted once, as a function of nothing.
 
     Converting records and arrays at every call costs 2 to 4 us, ten times a call of this (a compiled generator, which
-    keeps them converted). Arrays and records are shared, not copied; the caller keeps the records alive, and sees to
-    it that no two threads call at once.
+    keeps them converted). Arrays are shared, records copied. No two threads may call it at once.
     """
     return _repeated(function)(arguments).__next__
