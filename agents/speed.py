@@ -72,9 +72,9 @@ def compare(env_id: str, steps: int) -> list[Training]:
         ValueError: unknown id.
     """
     name = spec_of(env_id).id
-    found = [
-        _train(name, "DummyVecEnv of scalar environments", DummyVecEnv([lambda: Monitor(gym.make(name))] * ROWS), steps)
+    scalar = DummyVecEnv([lambda: Monitor(gym.make(name))] * ROWS)
+    batches = [BatchVecEnv(make_batch(name, None, rows)) for rows in (ROWS, SAMPLES // 4)]
+    return [
+        _train(name, "DummyVecEnv of scalar environments", scalar, steps),
+        *(_train(name, "native batch", batch, steps) for batch in batches),
     ]
-    for rows in (ROWS, SAMPLES // 4):
-        found.append(_train(name, "native batch", BatchVecEnv(make_batch(name, None, rows)), steps))
-    return found

@@ -24,6 +24,12 @@ NATIVE, SCALAR, SYNC = "native batch", "scalar", "SyncVectorEnv"
 FAMILIES = (NATIVE, NUMPY.name, "JAX", SYNC, SCALAR)
 SYNC_ROWS = 64  # a loop over environments: with more rows it is as fast per step
 THREADS_FROM = 1024  # rows: less is too little work to share
+JAX_MISSING = "JAX was not measured: it is not installed (`pip install 'vr_envs[jax]'`)."
+
+
+def has_jax() -> bool:
+    """Whether JAX is installed."""
+    return importlib.util.find_spec("jax") is not None
 
 
 @dataclasses.dataclass(frozen=True)
@@ -66,7 +72,7 @@ def _forms(case: Case, rows: int) -> dict[str, Callable[[], None]]:
         forms[SYNC] = sync(case, rows)
     if case.opponent is not None:
         forms[NUMPY.name] = on_arrays(case, rows, NUMPY)
-        if importlib.util.find_spec("jax"):
+        if has_jax():
             forms["JAX"] = on_arrays(case, rows, jax_arrays())
     return forms
 
@@ -100,7 +106,8 @@ def in_threads(case: Case, rows: int, threads: int, repeats: int, seconds: float
     """`rows` in one batch and one thread, and in as many batches as threads, each for about `seconds`."""
     alone, parts = [native(case, rows)], [native(case, rows // threads) for _ in range(threads)]
     with ThreadPoolExecutor(threads) as pool:
-        _wall(alone, 1, pool), _wall(parts, 1, pool)
+        for works in (alone, parts):
+            _wall(works, 1, pool)  # what is done once is not timed
         calls = max(1, round(10 * seconds / _wall(alone, 10, pool)))
         found = [(_wall(alone, calls, pool), _wall(parts, calls, pool)) for _ in range(repeats)]
     one, several = (Spread.of([rows * calls / t for t in spent]) for spent in zip(*found))  # noqa: B905

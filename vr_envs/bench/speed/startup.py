@@ -9,6 +9,8 @@ import subprocess
 import sys
 import tempfile
 
+from tqdm import tqdm
+
 FIRST_COMPILE, CACHED = 15.0, 1.0  # s: goals
 _CHILD = """
 import json, sys, time
@@ -42,3 +44,8 @@ def startup(env_id: str) -> Startup:
             for _ in range(2)
         ]
     return Startup(env_id, runs[1][0], runs[0][1], runs[1][1])
+
+
+def startups_of(env_ids: list[str], progress: bool = False) -> list[Startup]:
+    """`startup` of each id."""
+    return [startup(env_id) for env_id in tqdm(env_ids, disable=None if progress else True, desc="first steps")]
