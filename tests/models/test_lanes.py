@@ -6,12 +6,21 @@ import numpy as np
 import pytest
 from numba.core.errors import TypingError
 
-from vr_envs.envs.rows import row_records
+from vr_envs.envs.rows import row_dtype
 from vr_envs.models.jit import kernel
 from vr_envs.models.lane_records import block_at, empty_blocks, lane, lane_count, read_records, record_at, write_records
 from vr_envs.models.lane_rows import blank_rows, gathered, load_lanes, scatter, store_lanes
 from vr_envs.models.lanes import (
-    all_lanes, any_lane, bits_of_float, float_of_bits, floor, negate, to_float, to_int, to_key, where,
+    all_lanes,
+    any_lane,
+    bits_of_float,
+    float_of_bits,
+    floor,
+    negate,
+    to_float,
+    to_int,
+    to_key,
+    where,
 )  # fmt: skip
 
 WIDE = 23
@@ -83,6 +92,10 @@ def records(n):
     found["key"] = RNG.integers(0, 2**64 - 1, n, dtype=np.uint64)
     found["a"] = RNG.normal(size=(n, 3))
     return found
+
+
+def row_records(rows):
+    return rows.view(row_dtype(rows.dtype, rows.shape[1]))[:, 0]
 
 
 def outputs(n, width):

@@ -157,7 +157,7 @@ class BatchEnv(gym.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         """
         if not self._begun:
             raise ResetNeeded(f"env {int(np.argmin(self._ready))} has not begun an episode; call reset() before step()")
-        live, stale = self._all, None
+        live, stale, stopped = self._all, None, self._ended
         if self._ended:
             if self.autoreset_mode is AutoresetMode.DISABLED:
                 raise ResetNeeded(
@@ -166,16 +166,17 @@ class BatchEnv(gym.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
             if self.autoreset_mode is AutoresetMode.NEXT_STEP:
                 live, stale = ~self._done, self._done
         batch = self.world.actions(actions, (self.num_envs, self.world.widths[1]))
-        obs, rewards, terminated, truncated = self.world.step(batch, live, self._limit)
-        self._done = done = terminated | truncated
-        self._ended = np.count_nonzero(done) > 0  # ten times as fast as done.any()
+        obs, rewards, terminated, truncated, self._ended = self.world.step(batch, live, self._limit)
         infos: dict[str, Any] = {}
         if self._ended:
+            self._done = done = terminated | truncated
             rows = np.flatnonzero(done)
             infos = self._end_infos(done, rows)
             if self.autoreset_mode is AutoresetMode.SAME_STEP:
                 infos = self._final(done, rows, obs, infos)
                 self.world.reset(rows, self._keys(rows), obs)
+        elif stopped:
+            self._done = np.zeros(self.num_envs, np.bool_)
         if stale is not None:
             rows = np.flatnonzero(stale)
             self.world.reset(rows, self._keys(rows), obs)

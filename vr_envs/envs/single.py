@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from vr_envs.envs.rows import row_records
+from vr_envs.envs.rows import row_dtype
 from vr_envs.envs.world import NO_LIMIT, World, refused
 from vr_envs.models.jit import bound
 
@@ -37,8 +37,8 @@ class Single:
         self.action = np.zeros((1, world.widths[1]))
         self.reward, self.terminated, self.truncated = np.zeros(1), np.zeros(1, np.bool_), np.zeros(1, np.bool_)
         self._key, self._row, self._live = np.zeros(1, np.uint64), np.zeros(1, np.intp), np.ones(1, np.bool_)
-        self._obs = np.zeros((1, world.widths[0]), np.float32)
-        self._seen, self._acts = self._obs[0], row_records(self.action)
+        self._obs = np.zeros(1, row_dtype(np.float32, world.widths[0]))
+        self._seen, self._acts = self._obs["row"][0], self.action.view(row_dtype(np.float64, world.widths[1]))[:, 0]
         self._record = world.storage.array.view(np.uint8)
         self._step: Any = None
         self._reset: Any = None
@@ -49,7 +49,7 @@ class Single:
             world = self.world
             world.compile()
             self._reset = bound(
-                world.rows.reset, world.storage.array, self._row, self._key, self._obs, world.params, world.options
+                world.rows.reset, world.storage.array, self._row, self._key, self._obs["row"], world.bundle
             )
         self._record.fill(0)
         self._key[0] = key
@@ -66,11 +66,11 @@ class Single:
         if self._step is None or self._bound_limit != self.limit:
             self._bound_limit = self.limit
             self._step = bound(
-                world.rows.step, world.storage.array, self._acts, self._live, self.limit, row_records(self._obs),
-                self.reward, self.terminated, self.truncated, world.params, world.options,
+                world.rows.step, world.storage.array, self._acts, self._live, self.limit, self._obs,
+                self.reward, self.terminated, self.truncated, world.bundle,
             )  # fmt: skip
         if world.simulator is not None:
             world.simulate(self._acts, self._live)
-        if self._step() >= 0:
+        if self._step() < 0:
             raise refused(0, self.action)
         return self._seen.copy()

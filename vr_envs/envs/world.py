@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from gymnasium.spaces import Box
 
-from vr_envs.envs.rows import admit, in_lockstep, row_records, rows_of
+from vr_envs.envs.rows import admit, in_lockstep, row_dtype, rows_of
 from vr_envs.envs.scene import Scene, resolve
 from vr_envs.envs.storage import Blocks, Plain, Storage
 from vr_envs.envs.task import Channel, Task
@@ -52,15 +52,18 @@ class World:
         self.task = task
         self.scene = resolve(task, scene, **choices)
         self.params, self.options = self.scene.records()
+        self.bundle = self.scene.bundle()
         self.simulator = simulator_of(task.name, self.scene)
         simulated = self.simulator is not None
         lockstep = not simulated and in_lockstep(task, self.scene, n)
         self.rows = rows_of(task, simulated, lockstep)
-        self.storage: Storage = Blocks(dtype_of(task.state), n) if lockstep else Plain(dtype_of(task.state), n)
+        self._keeper = Blocks if lockstep else Plain
+        self.storage: Storage = self._keeper(dtype_of(task.state), n)
         self._count, self._blank = n, np.zeros(1, self.storage.dtype)
         self.observation_space = box(task.observation_channels(self.scene))
         self.action_space = box(task.action_channels(self.scene))
         self.widths = (self.observation_space.shape[0], self.action_space.shape[0])
+        self._seen, self._acts = row_dtype(np.float32, self.widths[0]), row_dtype(np.float64, self.widths[1])
         self._compiled = False
 
     def compile(self) -> None:
@@ -72,41 +75,43 @@ class World:
         timer.start()
         try:
             scratch = copy.copy(self)
-            scratch.storage, scratch._count, scratch._compiled = type(self.storage)(self.storage.dtype, 1), 1, True
+            scratch.storage, scratch._count, scratch._compiled = self._keeper(self.storage.dtype, 1), 1, True
             scratch.reset(np.zeros(1, np.intp), np.zeros(1, np.uint64), scratch.observe())
-            scratch.step(np.zeros((1, self.widths[1])), np.ones(1, np.bool_), 1)
+            scratch.step(np.zeros(1, self._acts), np.ones(1, np.bool_), 1)
         finally:
             timer.cancel()
         self._compiled = True
 
     def actions(self, given: Any, shape: tuple[int, ...]) -> np.ndarray:
-        """A fresh float64 copy of the actions, (n, width)."""
+        """A fresh float64 copy of the actions, one record of `row_dtype` per row."""
+        actions = np.empty(self._count, self._acts)
         try:
-            actions = np.array(given, dtype=np.float64, order="C")
+            found = np.asarray(given)
+            if found.shape == shape:
+                actions["row"] = found
         except (TypeError, ValueError) as error:
             raise ValueError(f"action {given!r} is not an array of numbers; give shape {shape}") from error
-        if actions.shape != shape:
-            raise ValueError(f"action has shape {actions.shape}; give {shape}, each entry in [-1, 1]")
-        return actions.reshape(self._count, self.widths[1])
+        if found.shape != shape:
+            raise ValueError(f"action has shape {found.shape}; give {shape}, each entry in [-1, 1]")
+        return actions
 
-    def step(self, actions: np.ndarray, live: np.ndarray, limit: int) -> tuple[np.ndarray, ...]:
-        """Move the live rows; returns fresh (observations, rewards, terminated, truncated)."""
+    def step(self, actions: np.ndarray, live: np.ndarray, limit: int) -> tuple[Any, ...]:
+        """Move the live rows; returns fresh (observations, rewards, terminated, truncated), and if an episode ended."""
         n = self._count
-        obs = np.empty((n, self.widths[0]), np.float32)
+        seen = np.empty(n, self._seen)
         rewards = np.zeros(n)
         terminated, truncated = np.zeros(n, np.bool_), np.zeros(n, np.bool_)
-        acts, seen = row_records(actions), row_records(obs)
         if self.simulator is not None:
-            self.simulate(acts, live)
-        bad = self.rows.step(
-            self.storage.array, acts, live, limit, seen, rewards, terminated, truncated, self.params, self.options
+            self.simulate(actions, live)
+        ended = self.rows.step(
+            self.storage.array, actions, live, limit, seen, rewards, terminated, truncated, self.bundle
         )
-        if bad >= 0:
-            raise refused(bad, actions)
-        return obs, rewards, terminated, truncated
+        if ended < 0:
+            raise refused(-1 - ended, actions["row"])
+        return seen["row"], rewards, terminated, truncated, ended > 0
 
     def simulate(self, acts: np.ndarray, live: np.ndarray) -> None:
-        """Let the simulator move the live rows, unless an action is not finite; `acts` are `row_records`."""
+        """Let the simulator move the live rows, unless an action is not finite; `acts` as `actions` returns them."""
         if admit(acts) < 0:
             for i in np.flatnonzero(live):
                 self.simulator.advance(self.storage.array[i], acts[i]["row"])
@@ -115,7 +120,7 @@ class World:
         """Start the given rows afresh and write their observations."""
         self.compile()
         self.storage.write(rows, self._blank)
-        self.rows.reset(self.storage.array, rows, keys, obs, self.params, self.options)
+        self.rows.reset(self.storage.array, rows, keys, obs, self.bundle)
 
     @property
     def states(self) -> np.ndarray:
@@ -146,7 +151,7 @@ class World:
     def observe(self) -> np.ndarray:
         """Fresh observations of all rows."""
         obs = np.empty((self._count, self.widths[0]), np.float32)
-        self.rows.observe(self.storage.array, obs, self.params, self.options)
+        self.rows.observe(self.storage.array, obs, self.bundle)
         return obs
 
     def metrics(self, rows: np.ndarray) -> dict[str, np.ndarray]:

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import numba
+import numba.extending
 from numba.core.caching import FunctionCache, IndexDataCacheFile
 
 PACKAGE = Path(__file__).resolve().parent.parent
@@ -73,6 +74,11 @@ def kernel(function: Any) -> Any:
     except RuntimeError:  # no folder can be written: neither the package's nor the user's cache
         warnings.warn("vr_envs: no writable folder for compiled kernels; set NUMBA_CACHE_DIR to one", stacklevel=2)
     return dispatcher
+
+
+def intrinsic(function: Any) -> Any:
+    """Numba's decorator of that name; callers do not give the typing context, and are not told to."""
+    return numba.extending.intrinsic(function)
 
 
 @cache

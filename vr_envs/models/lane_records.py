@@ -1,9 +1,9 @@
 """Records whose fields lie side by side, eight records to a block: what lanes read in one go.
 
 In a *block* field f of the records 0 to 7 follows field e of the records 0 to 7, so that `state.speed` of a block is
-one load of a vector. A block has the size of eight records; `read_records` and `write_records` go from
-one to the other. `block_at(blocks, b)` is to a kernel what `states[i]` is, for eight records; `lane(block, k)` is record k
-in it as a plain one.
+one load of a vector. A block has the size of eight records; `read_records` and `write_records` go from one to the
+other. `block_at(blocks, b)` is to a kernel what `states[i]` is, for eight records; `lane(block, k)` is record k in it
+as a plain one.
 """
 
 from __future__ import annotations
@@ -18,11 +18,13 @@ from numba.core import cgutils
 from numba.core.datamodel import models
 from numba.core.imputils import lower_getattr_generic, lower_setattr_generic
 from numba.core.typing.templates import AbstractTemplate, AttributeTemplate, infer_getattr, infer_global, signature
-from numba.extending import intrinsic, lower_builtin, overload, register_model
+from numba.extending import lower_builtin, overload, register_model
 
+from vr_envs.models.jit import intrinsic
 from vr_envs.models.lanes import INT, WIDTH, Lanes, common_type
 
 _I8, _I32 = ir.IntType(8), ir.IntType(32)
+_register: Any = infer_global  # Numba does not say what it returns
 _FIELD = "lanes"
 
 
@@ -144,7 +146,7 @@ def _read_shape(context: Any, builder: Any, kind: SideArray, value: Any, name: s
     return context.get_constant_generic(builder, types.UniTuple(types.intp, len(kind.shape)), kind.shape)
 
 
-def _is_index(kind: types.Type, index: types.Type) -> bool:
+def _is_index(kind: Any, index: Any) -> bool:
     """Whether an array field can be indexed so: by an integer, or by as many as it has axes."""
     if not isinstance(kind, SideArray):
         return False
@@ -153,18 +155,18 @@ def _is_index(kind: types.Type, index: types.Type) -> bool:
     return (
         isinstance(index, types.BaseTuple)
         and len(index) == len(kind.shape)
-        and all(isinstance(t, types.Integer) for t in index)
+        and all(isinstance(index[axis], types.Integer) for axis in range(len(index)))
     )
 
 
-@infer_global(operator.getitem)
+@_register(operator.getitem)
 class _GetElement(AbstractTemplate):
     def generic(self, args: Any, kws: Any) -> Any:
         kind, index = args
         return signature(_value_type(kind.dtype, kind.lanes), kind, index) if _is_index(kind, index) else None
 
 
-@infer_global(operator.getitem)
+@_register(operator.getitem)
 class _GetElements(AbstractTemplate):
     """In each record the element whose number stands in its lane."""
 
@@ -197,7 +199,7 @@ def _gather(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return builder.call(gather, [places, ir.Constant(_I32, 8), everywhere, blank])
 
 
-@infer_global(operator.setitem)
+@_register(operator.setitem)
 class _SetElement(AbstractTemplate):
     def generic(self, args: Any, kws: Any) -> Any:
         kind, index, _ = args
