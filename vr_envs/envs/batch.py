@@ -68,7 +68,6 @@ class BatchEnv(gym.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         self._generators: list[np.random.Generator | None] = [None] * self.num_envs
         self._seeds: list[int] = [-1] * self.num_envs
         self._done = np.zeros(self.num_envs, np.bool_)
-        self._all = np.ones(self.num_envs, np.bool_)
         self._ready = np.zeros(self.num_envs, np.bool_)
         self._begun = self._ended = False  # all rows have begun an episode; some row's has ended
 
@@ -157,7 +156,7 @@ class BatchEnv(gym.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         """
         if not self._begun:
             raise ResetNeeded(f"env {int(np.argmin(self._ready))} has not begun an episode; call reset() before step()")
-        live, stale = self._all, None
+        live = stale = None
         if self._ended:
             if self.autoreset_mode is AutoresetMode.DISABLED:
                 raise ResetNeeded(
@@ -165,8 +164,9 @@ class BatchEnv(gym.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
                 )
             if self.autoreset_mode is AutoresetMode.NEXT_STEP:
                 live, stale = ~self._done, self._done
-        batch = self.world.actions(actions, (self.num_envs, self.world.widths[1]))
-        obs, rewards, terminated, truncated = self.world.step(batch, live, self._limit)
+        workspace = self.world.workspace(self._limit)
+        workspace.take(actions, (self.num_envs, self.world.widths[1]))
+        obs, rewards, terminated, truncated = workspace.step(live)
         self._done = done = terminated | truncated
         self._ended = np.count_nonzero(done) > 0  # ten times as fast as done.any()
         infos: dict[str, Any] = {}

@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 from gymnasium.spaces import Box
 
-from vr_envs.envs.rows import admit, row_records, rows_of
+from vr_envs.envs.rows import admit, rows_of
 from vr_envs.envs.scene import Scene, resolve
 from vr_envs.envs.task import Channel, Task
+from vr_envs.envs.workspace import Results, Workspace
 from vr_envs.models.record import dtype_of
 
 NO_LIMIT = np.iinfo(np.int64).max  # control intervals
@@ -60,6 +61,11 @@ class World:
         self.action_space = box(task.action_channels(self.scene))
         self.widths = (self.observation_space.shape[0], self.action_space.shape[0])
         self._compiled = False
+        self._workspace: Workspace | None = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What a copy is made from: the workspace is bound to these records."""
+        return {**self.__dict__, "_workspace": None}
 
     def compile(self) -> None:
         """Compile the kernels, or load them from the cache; a word on stderr if that takes longer than two seconds."""
@@ -87,21 +93,17 @@ class World:
             raise ValueError(f"action has shape {actions.shape}; give {shape}, each entry in [-1, 1]")
         return actions.reshape(len(self.states), self.widths[1])
 
-    def step(self, actions: np.ndarray, live: np.ndarray, limit: int) -> tuple[np.ndarray, ...]:
+    def step(self, actions: np.ndarray, live: np.ndarray, limit: int) -> Results:
         """Move the live rows; returns fresh (observations, rewards, terminated, truncated)."""
-        n = len(self.states)
-        obs = np.empty((n, self.widths[0]), np.float32)
-        rewards = np.zeros(n)
-        terminated, truncated = np.zeros(n, np.bool_), np.zeros(n, np.bool_)
-        acts, seen = row_records(actions), row_records(obs)
-        if self.simulator is not None:
-            self.simulate(acts, live)
-        bad = self.rows.step(
-            self.states, acts, live, limit, seen, rewards, terminated, truncated, self.params, self.options
-        )
-        if bad >= 0:
-            raise refused(bad, actions)
-        return obs, rewards, terminated, truncated
+        workspace = self.workspace(limit)
+        workspace.actions[...] = actions
+        return workspace.step(live)
+
+    def workspace(self, limit: int) -> Workspace:
+        """What steps the rows, with episodes of `limit` control intervals; the same one until the limit changes."""
+        if self._workspace is None or self._workspace.limit != limit:
+            self._workspace = Workspace(self, limit)
+        return self._workspace
 
     def simulate(self, acts: np.ndarray, live: np.ndarray) -> None:
         """Let the simulator move the live rows, unless an action is not finite; `acts` are `row_records`."""
@@ -152,11 +154,6 @@ class World:
         if not self.scene.judged:
             return {}
         return dict(self.task.metrics(self._bytes.take(rows).view(self.states.dtype), self.scene))
-
-
-def refused(row: int, actions: np.ndarray) -> ValueError:
-    """The error for a row of the actions that is not finite."""
-    return ValueError(f"action of env {row} is {actions[row]}; every entry must be finite. Nothing was stepped")
 
 
 def scenario_keys(options: Mapping[str, Any] | None, n: int) -> np.ndarray | None:
