@@ -6,10 +6,15 @@ import math
 
 import numpy as np
 
-from vr_envs.envs.autopilot_legs import finish_episode
+from vr_envs.envs.autopilot_legs import finish_episode, watch_leg
+from vr_envs.envs.autopilot_observation import BAND
 from vr_envs.envs.scene import Scene
+from vr_envs.models.autopilot import commanded_rates
 from vr_envs.models.jit import kernel
+from vr_envs.models.lanes import to_int
+from vr_envs.models.load_factor import lateral_load_factor, normal_load_factor
 
+SATURATED = 0.999  # of the limit
 _CHANNELS = (("altitude", "m"), ("airspeed", "m_s"), ("heading", "deg"))
 _UNITS = (1.0, 1.0, math.degrees(1.0))  # of the channels, from those of the record
 _NAMES = (
@@ -54,6 +59,40 @@ def _judge(states, params, found):  # type: ignore[no-untyped-def]
             found[19 + channel, i] = state.steady_sum[channel] / legs * _UNITS[channel]
         found[22, i] = state.lateral_peak
         found[23, i] = state.normal_peak
+
+
+@kernel
+def take_loads(state, pull):  # type: ignore[no-untyped-def]
+    """Take the load factors after a control interval; `pull`: mean vertical acceleration in it [m/s^2]."""
+    turn, speed = state.turn_rate, state.speed
+    state.lateral_peak = max(state.lateral_peak, abs(lateral_load_factor(turn, speed)))
+    state.normal_peak = max(state.normal_peak, normal_load_factor(turn, speed, pull))
+
+
+@kernel
+def count_step(state, action, errors, movement, params, envelope, energy):  # type: ignore[no-untyped-def]
+    """Take an interval's action, the errors (3) at its end and the mean `movement` of the commands."""
+    inside = True
+    for channel in range(3):
+        size = abs(errors[channel])
+        state.error_sum[channel] += size
+        inside = inside & (size <= BAND[channel])
+    limited = to_int(abs(action[0]) >= SATURATED) + to_int(abs(action[2]) >= SATURATED)
+    at_limit = abs(action[1]) >= SATURATED
+    if energy is not None:
+        at_limit = at_limit | _gives_way(state, action, params, envelope, energy)
+    state.saturated += limited + to_int(at_limit)
+    state.movement_sum += movement
+    state.in_band += to_int(inside)
+    watch_leg(state, params, errors, inside)
+
+
+@kernel
+def _gives_way(state, action, params, envelope, energy):  # type: ignore[no-untyped-def]
+    """Whether the commanded acceleration is changed by the shared power."""
+    _, given, _, _ = commanded_rates(state, action, params, envelope, energy)
+    _, asked, _, _ = commanded_rates(state, action, params, envelope, None)
+    return given != asked
 
 
 def metrics(states: np.ndarray, scene: Scene) -> dict[str, np.ndarray]:

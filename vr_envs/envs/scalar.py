@@ -81,7 +81,7 @@ class ScalarEnv(gym.Env[np.ndarray, np.ndarray]):
         obs, rewards, ended, over = workspace.move()
         terminated, truncated = ended.item(), over.item()
         info: dict[str, Any] = {}
-        if terminated or (truncated and self.world.states["steps"].item() == self._limit):
+        if terminated or (truncated and self.world.storage.array["steps"].item() == self._limit):
             info = self.metrics()
             self._ready = not terminated
         if self.render_mode == "human":

@@ -53,7 +53,7 @@ class Workspace:
 
     def __init__(self, world: World, limit: int) -> None:
         """For the records that the world has now."""
-        n, width = len(world.states), world.widths[1]
+        n, width = world.count, world.widths[1]
         self.world = world
         self.limit = limit
         self.actions = np.zeros((n, width))
@@ -115,11 +115,11 @@ class Workspace:
 
     def _slot(self) -> _Slot:
         """New arrays for results, and the step that writes them."""
-        world, n = self.world, len(self._live)
+        world, n = self.world, self.world.count
         obs = np.zeros((n, world.widths[0]), np.float32)
         results = Results(obs, np.zeros(n), np.zeros(n, np.bool_), np.zeros(n, np.bool_))
         step = bound(
-            world.rows.step, world.states, self._acts, self._live, self.limit, row_records(obs), *results[1:],
+            world.rows.step, world.storage.array, self._acts, self._live, self.limit, row_records(obs), *results[1:],
             world.params, world.options,
         )  # fmt: skip
         del obs

@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 from gymnasium.spaces import Box
 
-from vr_envs.envs.rows import admit, rows_of
+from vr_envs.envs.rows import admit, in_lockstep, rows_of
 from vr_envs.envs.scene import Scene, resolve
+from vr_envs.envs.storage import Blocks, Plain, Storage
 from vr_envs.envs.task import Channel, Task
 from vr_envs.envs.workspace import Results, Workspace
 from vr_envs.models.record import dtype_of
@@ -53,10 +54,11 @@ class World:
         self.scene = resolve(task, scene, **choices)
         self.params, self.options = self.scene.records()
         self.simulator = simulator_of(task.name, self.scene)
-        self.rows = rows_of(task, simulated=self.simulator is not None)
-        self.states = np.zeros(n, dtype_of(task.state))
-        self._opaque = np.dtype((np.void, self.states.itemsize))
-        self._blank = np.zeros((), self._opaque)
+        simulated = self.simulator is not None
+        lockstep = not simulated and in_lockstep(task, self.scene, n)
+        self.rows = rows_of(task, simulated, lockstep)
+        self.storage: Storage = Blocks(dtype_of(task.state), n) if lockstep else Plain(dtype_of(task.state), n)
+        self.count, self._blank = n, np.zeros(1, self.storage.dtype)
         self.observation_space = box(task.observation_channels(self.scene))
         self.action_space = box(task.action_channels(self.scene))
         self.widths = (self.observation_space.shape[0], self.action_space.shape[0])
@@ -76,7 +78,7 @@ class World:
         timer.start()
         try:
             scratch = copy.copy(self)
-            scratch.states, scratch._compiled = np.zeros(1, self.states.dtype), True
+            scratch.storage, scratch.count, scratch._compiled = type(self.storage)(self.storage.dtype, 1), 1, True
             scratch.reset(np.zeros(1, np.intp), np.zeros(1, np.uint64), scratch.observe())
             scratch.step(np.zeros((1, self.widths[1])), np.ones(1, np.bool_), 1)
         finally:
@@ -91,7 +93,7 @@ class World:
             raise ValueError(f"action {given!r} is not an array of numbers; give shape {shape}") from error
         if actions.shape != shape:
             raise ValueError(f"action has shape {actions.shape}; give {shape}, each entry in [-1, 1]")
-        return actions.reshape(len(self.states), self.widths[1])
+        return actions.reshape(self.count, self.widths[1])
 
     def step(self, actions: np.ndarray, live: np.ndarray, limit: int) -> Results:
         """Move the live rows; returns fresh (observations, rewards, terminated, truncated)."""
@@ -109,27 +111,27 @@ class World:
         """Let the simulator move the live rows, unless an action is not finite; `acts` are `row_records`."""
         if admit(acts) < 0:
             for i in np.flatnonzero(live):
-                self.simulator.advance(self.states[i], acts[i]["row"])
+                self.simulator.advance(self.storage.array[i], acts[i]["row"])
 
     def reset(self, rows: np.ndarray, keys: np.ndarray, obs: np.ndarray) -> None:
         """Start the given rows afresh and write their observations."""
         self.compile()
-        self._bytes[rows] = self._blank
-        self.rows.reset(self.states, rows, keys, obs, self.params, self.options)
+        self.storage.write(rows, self._blank)
+        self.rows.reset(self.storage.array, rows, keys, obs, self.params, self.options)
 
     @property
-    def _bytes(self) -> np.ndarray:
-        """The records without their fields, one by one of which NumPy would copy them, fifty times as slowly."""
-        return self.states.view(self._opaque)
+    def states(self) -> np.ndarray:
+        """The records: themselves where they are kept one after another, else a copy that refuses to be written to."""
+        return self.storage.records
 
     def copy(self) -> np.ndarray:
         """A copy of the records."""
-        return self._bytes.copy().view(self.states.dtype)
+        return self.storage.read(np.arange(self.count))
 
     def load(self, states: Any, rows: np.ndarray) -> None:
         """Overwrite the given rows with saved records, after checking them."""
         given = np.atleast_1d(np.asarray(states))
-        if given.dtype != self.states.dtype:
+        if given.dtype != self.storage.dtype:
             raise ValueError(f"state is not a record of {self.task.name}; give what get_state() returned, in any scene")
         if given.shape != (len(rows),):
             raise ValueError(f"state has shape {given.shape}; give {len(rows)} records")
@@ -141,19 +143,19 @@ class World:
                 raise ValueError(
                     f"state field {field.name!r} is not in [{low:g}, {high:g}]; give what get_state() returned"
                 )
-        self.states[rows] = given
+        self.storage.write(rows, given)
 
     def observe(self) -> np.ndarray:
         """Fresh observations of all rows."""
-        obs = np.empty((len(self.states), self.widths[0]), np.float32)
-        self.rows.observe(self.states, obs, self.params, self.options)
+        obs = np.empty((self.count, self.widths[0]), np.float32)
+        self.rows.observe(self.storage.array, obs, self.params, self.options)
         return obs
 
     def metrics(self, rows: np.ndarray) -> dict[str, np.ndarray]:
         """Domain metrics of the given rows' episodes so far, one array per name; none if the scene does without."""
         if not self.scene.judged:
             return {}
-        return dict(self.task.metrics(self._bytes.take(rows).view(self.states.dtype), self.scene))
+        return dict(self.task.metrics(self.storage.read(rows), self.scene))
 
 
 def scenario_keys(options: Mapping[str, Any] | None, n: int) -> np.ndarray | None:
