@@ -13,7 +13,7 @@ EXAMPLES = """\
   vr-envs bench accuracy
   vr-envs bench accuracy --quick --out /tmp/bench
   vr-envs bench accuracy --system ball_on_bar"""
-SYSTEMS = ("ball_on_bar",)
+SYSTEMS = ("ball_on_bar", "autopilot", "terrain_ride")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

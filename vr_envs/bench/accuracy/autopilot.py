@@ -1,4 +1,7 @@
-"""The aircraft: run time against error."""
+"""The aircraft: run time against error.
+
+A point under rate commands has no bodies, joints or contacts, so MuJoCo and pymunk have nothing to say about it.
+"""
 
 from __future__ import annotations
 
@@ -10,9 +13,11 @@ import numpy as np
 from mpmath import mp, mpf
 
 from vr_envs.bench.accuracy.account import System
-from vr_envs.bench.accuracy.autopilot_opponents import advance_in_steps, integrate
+from vr_envs.bench.accuracy.autopilot_loops import advance_in_steps
 from vr_envs.bench.accuracy.autopilot_reference import DIGITS, SEEN, Flight
-from vr_envs.bench.accuracy.episodes import driven, episode_loop
+from vr_envs.bench.accuracy.autopilot_scipy import integrate
+from vr_envs.bench.accuracy.loops import driven, episode_loop
+from vr_envs.bench.accuracy.methods import EULER, EXACT, RK4, SCIPY, TEXTBOOK
 from vr_envs.bench.accuracy.points import Measure, Method, Run, measured
 from vr_envs.models.autopilot import Params, State, advance
 from vr_envs.models.autopilot_options import OPTIONS, Energy, Envelope, Lags, Shear, Textbook, Track, Wind
@@ -44,14 +49,14 @@ ALTITUDE = Measure("altitude", "m", "largest over the control instants", 2e-12)
 HEADING = Measure("heading", "rad", "likewise, as a turn", 5e-16)
 TRACK = Measure("track", "m", "largest distance over the ground at a control instant", 1e-11)
 ERRORS = {"lecture": (TRACK,), "airliner": (ALTITUDE, HEADING, TRACK)}
-EXACT = Method("exact", "exact")
-TEXTBOOK = Method("textbook engine", "textbook", "step", fixed_step=True)
-EULER = Method("semi-implicit Euler", "fixed step", "step", fixed_step=True)
-RK4 = Method("RK4", "fixed step", "step", fixed_step=True)
 LOCATED = Method("RK4 from corner to corner", "located step", "step")
-SCIPY = {name: Method(f"scipy {name}", "scipy", "tolerance") for name in ("RK45", "DOP853", "LSODA")}
-
-SWEEPS = {EULER: (1, 10.0, 5), RK4: (4, 4.0, 8), LOCATED: (4, 2.0, 7)}  # order, ratio of steps, how many from 1 s on
+# order of the rule, and steps [s]
+SWEEPS = {
+    EULER: (1, (1.0, 1e-1, 1e-2, 1e-3, 1e-4)),
+    RK4: (4, tuple(4.0**-k for k in range(8))),
+    LOCATED: (4, tuple(2.0**-k for k in range(7))),
+}
+SMOOTH = tuple(2.0**-k for k in range(5))  # of the Runge-Kutta rule where nothing lags; then rounding takes over
 STEPS = 20_000  # that one call of a compiled loop makes at least, so that the call itself costs nothing
 
 
@@ -76,14 +81,17 @@ def start() -> np.void:
 
 def judged(reference: list[list[Any]], wanted: tuple[Measure, ...], seen: np.ndarray) -> Mapping[str, float]:
     """Errors of what was `seen`, (intervals, 5), as `Run.judge` gives them."""
-    worst = dict.fromkeys((ALTITUDE.name, HEADING.name, TRACK.name), mpf(0))
     with mp.workdps(DIGITS):
-        for row, true in zip(seen, reference, strict=True):
-            off = dict(zip(SEEN, (mpf(float(a)) - b for a, b in zip(row, true, strict=True)), strict=True))
-            found = abs(off["altitude"]), abs(2 * mp.sin(off["heading"] / 2)), mp.hypot(off["x"], off["z"])
-            for name, error in zip(worst, found, strict=True):
-                worst[name] = max(worst[name], error)
-    return {m.name: float(worst[m.name]) for m in wanted}
+        altitude, _, heading, x, z = (
+            [mpf(float(a)) - b for a, b in zip(column, true, strict=True)]
+            for column, true in zip(seen.T, zip(*reference, strict=True), strict=True)
+        )
+        found = {
+            ALTITUDE: max(map(abs, altitude)),
+            HEADING: max(abs(2 * mp.sin(turn / 2)) for turn in heading),
+            TRACK: max(mp.hypot(*off) for off in zip(x, z, strict=True)),
+        }
+    return {m.name: float(found[m]) for m in wanted}
 
 
 def flown(method: str, tolerance: float, params: np.void, options: tuple[Any, ...]) -> np.ndarray:
@@ -115,10 +123,12 @@ def runs_of(episode: str, quick: bool) -> Iterator[Run]:
             engine = {**packed, "textbook": pack(Textbook(step=step))}
             yield compiled(TEXTBOOK, step, exact, (record, *(engine.get(name) for name in OPTIONS)), step / span)
     stepped = episode_loop(advance_in_steps, look)
-    for method, (order, factor, count) in SWEEPS.items():
-        if method is LOCATED and "lags" not in options:
-            continue  # nothing has a corner
-        for step in (factor**-k for k in range(count)):
+    for method, (order, sweep) in SWEEPS.items():
+        if "lags" not in options:
+            if method is LOCATED:
+                continue  # nothing has a corner
+            sweep = SMOOTH if method is RK4 else sweep
+        for step in sweep:
             yield compiled(method, step, stepped, (record, *parts, order, step, method is LOCATED), step / span)
     for name, method in SCIPY.items():
         for tolerance in (1e-5, 1e-9) if quick else (1e-4, 1e-7, 1e-10, 1e-13):
@@ -128,6 +138,6 @@ def runs_of(episode: str, quick: bool) -> Iterator[Run]:
 def system(quick: bool, progress: bool) -> System:
     """Carry out all runs."""
     runs = [run for episode in EPISODES for run in runs_of(episode, quick)]
-    points = measured(runs, 3, 0.005 if quick else 0.04, progress, "autopilot")
+    points = measured(runs, 1 if quick else 3, 0.005 if quick else 0.04, progress, "autopilot")
     told = {name: text for name, (text, _) in EPISODES.items()}
     return System("autopilot", "Aircraft", (ALTITUDE, HEADING, TRACK), told, points)

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from vr_envs.bench.accuracy import account, ball_on_bar
+from vr_envs.bench.accuracy import account, autopilot, ball_on_bar, terrain_ride
 from vr_envs.bench.accuracy.account import System
 from vr_envs.bench.accuracy.picture import picture
 from vr_envs.bench.report import Report
 
-SYSTEMS: dict[str, Callable[[bool, bool], System]] = {"ball_on_bar": ball_on_bar.system}
+SYSTEMS: dict[str, Callable[[bool, bool], System]] = {
+    "ball_on_bar": ball_on_bar.system,
+    "autopilot": autopilot.system,
+    "terrain_ride": terrain_ride.system,
+}
 """Name -> function of (quick, progress) that carries out all runs of the system."""
 
 

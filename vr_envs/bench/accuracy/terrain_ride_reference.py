@@ -185,11 +185,13 @@ class Ride:
         relative = p.damping == "relative"
         body = self.y[:2]
         hub = ground if self.tyre is None else self.y[2:]
-        rubber = mpf(0) if self.stop is None else mpf(self.stop.rate) / p.mass
+        rubber = reach = mpf(0)
+        if self.stop is not None:
+            rubber, reach = mpf(self.stop.rate) / p.mass, mpf(self.stop.travel)
         for n in range(terms - 2):
             inner = -w2 * (body[n] - hub[n])
             if self.side:
-                inner -= rubber * (body[n] - hub[n] - (self.side * mpf(self.stop.travel) if n == 0 else 0))
+                inner -= rubber * (body[n] - hub[n] - (self.side * reach if n == 0 else 0))
             rate = (n + 1) * (body[n + 1] - hub[n + 1]) if relative else (n + 1) * body[n + 1]
             if relative:
                 inner -= gamma * rate

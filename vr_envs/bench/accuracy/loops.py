@@ -1,4 +1,7 @@
-"""One episode driven in a compiled loop over control intervals, whatever moves the state."""
+"""One episode in a compiled loop over control intervals, whatever moves the state.
+
+So the exact kernel is timed as the loops of fixed steps are: without Python between the intervals.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +27,9 @@ def episode_loop(move: Any, look: Any) -> Any:
     return drive
 
 
-def driven(loop: Any, start: np.void, actions: np.ndarray, width: int, times: int, arguments: tuple[Any, ...]) -> Any:
+def driven(
+    loop: Any, start: np.void, actions: np.ndarray, width: int, times: int, arguments: tuple[Any, ...]
+) -> np.ndarray:
     """What a loop of `episode_loop` has seen of an episode driven `times` times, (intervals, width)."""
     states = np.array([start, start])
     seen = np.empty((len(actions), width))

@@ -1,4 +1,4 @@
-"""What else flies the aircraft: compiled loops of steps, and scipy's adaptive integrators.
+"""What else flies the aircraft: compiled loops of steps.
 
 They share with the exact model what is not integrated, the limits of the rates and what an action commands, and have
 the differential equations written out anew. All are restarted at every control instant, where the commands jump; some
@@ -8,10 +8,6 @@ also at the corners: the instants, known beforehand, from which the limit of a r
 from __future__ import annotations
 
 import math
-from typing import Any
-
-import numpy as np
-from scipy.integrate import solve_ivp
 
 from vr_envs.models.autopilot import commanded_rates, renew_limits
 from vr_envs.models.clock import equal_steps
@@ -102,7 +98,8 @@ def commands(state, action, params, envelope, energy, lags):
 
 
 @kernel
-def _state_of(state, goals, lags):
+def state_of(state, goals, lags):
+    """y of a record: as `slopes` has it."""
     rates = state.vertical_speed, state.acceleration, state.turn_rate
     if lags is None:
         rates = goals
@@ -110,7 +107,8 @@ def _state_of(state, goals, lags):
 
 
 @kernel
-def _write(state, y):
+def write_state(state, y):
+    """Put y into a record."""
     state.vertical_speed, state.acceleration, state.turn_rate = y[0], y[1], y[2]
     state.altitude, state.speed, state.heading, state.x, state.z = y[3], y[4], y[5], y[6], y[7]
 
@@ -122,7 +120,7 @@ def advance_in_steps(state, action, params, envelope, energy, lags, wind, shear,
     `order`: 1 is Euler's rule, else that of Runge and Kutta.
     """
     goals, slews = commands(state, action, params, envelope, energy, lags)
-    y = _state_of(state, goals, lags)
+    y = state_of(state, goals, lags)
     begin, corners = 0.0, corner_times(y, goals, slews, lags)
     while begin < params.dt:
         end = params.dt
@@ -139,26 +137,4 @@ def advance_in_steps(state, action, params, envelope, energy, lags, wind, shear,
             for _ in range(steps):
                 y = runge_kutta(y, h, goals, slews, lags, wind, shear)
         begin = end
-    _write(state, y)
-
-
-def integrate(
-    state: Any, action: np.ndarray, params: Any, options: tuple[Any, ...], method: str, tolerance: float
-) -> None:
-    """Move `state` over a control interval by scipy's `solve_ivp`, restarted at the corners.
-
-    `options`: records of envelope, energy, lags, wind, shear, or None. The tolerance is relative, and the absolute
-    one in SI units is the same number; the right-hand side is compiled.
-    """
-    envelope, energy, lags, wind, shear = options
-    goals, slews = commands(state, action, params, envelope, energy, lags)
-    y = _state_of(state, goals, lags)
-    corners = [c for c in corner_times(y, goals, slews, lags) if 0.0 < c < params["dt"]]
-    places = [0.0, *sorted(corners), float(params["dt"])]
-    for begin, end in zip(places, places[1:], strict=False):
-        found = solve_ivp(
-            lambda _, at: slopes(at, goals, slews, lags, wind, shear), (begin, end), y, method,
-            rtol=tolerance, atol=tolerance,
-        )  # fmt: skip
-        y = found.y[:, -1]
-    _write(state, y)
+    write_state(state, y)

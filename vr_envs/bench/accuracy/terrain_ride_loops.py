@@ -106,7 +106,7 @@ def runge_kutta(y, h, grounds, climb, contacts, located, gamma, w2, params, tyre
 
 @kernel
 def gap_of(y, ground, contacts, params, tyre, stop):
-    """The smallest margin [m] by which the contacts are as they are, and whether it is the tyre's."""
+    """The smallest margin [m] by which the contacts stay as they are, and whether it is the tyre's."""
     gap, is_tyre, hub = math.inf, True, ground
     if tyre is not None:
         hub = y[2]
@@ -121,6 +121,20 @@ def gap_of(y, ground, contacts, params, tyre, stop):
 
 
 @kernel
+def switched(y, ground, contacts, params, tyre, stop):
+    """The contacts after that with the smallest margin has changed."""
+    _, is_tyre = gap_of(y, ground, contacts, params, tyre, stop)
+    if is_tyre:
+        return 1.0 - contacts[0], contacts[1]
+    if contacts[1] != 0.0:
+        return contacts[0], 0.0
+    hub = ground
+    if tyre is not None:
+        hub = y[2]
+    return contacts[0], math.copysign(1.0, y[0] - hub)
+
+
+@kernel
 def located_step(y, h, ground, climb, contacts, gamma, w2, params, tyre, stop):
     """One Runge-Kutta step over even ground, in parts that end at contacts; the contacts, and the time off the ground.
 
@@ -131,7 +145,7 @@ def located_step(y, h, ground, climb, contacts, gamma, w2, params, tyre, stop):
         part, low, high = left, 0.0, left
         grounds = ground, ground + 0.5 * climb * part, ground + climb * part
         after = runge_kutta(y, part, grounds, climb, contacts, True, gamma, w2, params, tyre, stop)
-        after_gap, is_tyre = gap_of(after, grounds[2], contacts, params, tyre, stop)
+        after_gap, _ = gap_of(after, grounds[2], contacts, params, tyre, stop)
         met = after_gap < 0.0
         if met:
             low_gap, high_gap = max(CLOSE, gap_of(y, ground, contacts, params, tyre, stop)[0]), after_gap
@@ -139,7 +153,7 @@ def located_step(y, h, ground, climb, contacts, gamma, w2, params, tyre, stop):
                 part = (low * high_gap - high * low_gap) / (high_gap - low_gap)
                 grounds = ground, ground + 0.5 * climb * part, ground + climb * part
                 after = runge_kutta(y, part, grounds, climb, contacts, True, gamma, w2, params, tyre, stop)
-                gap, is_tyre = gap_of(after, grounds[2], contacts, params, tyre, stop)
+                gap, _ = gap_of(after, grounds[2], contacts, params, tyre, stop)
                 if abs(gap) < CLOSE:
                     break
                 if gap < 0.0:
@@ -149,13 +163,7 @@ def located_step(y, h, ground, climb, contacts, gamma, w2, params, tyre, stop):
         y, ground, left = after, grounds[2], left - part
         off += part * contacts[0]
         if met:
-            if is_tyre:
-                contacts = 1.0 - contacts[0], contacts[1]
-            else:
-                side = 0.0
-                if contacts[1] == 0.0:
-                    side = math.copysign(1.0, y[0] - (ground if tyre is None else y[2]))
-                contacts = contacts[0], side
+            contacts = switched(y, ground, contacts, params, tyre, stop)
     return y, contacts, off
 
 
