@@ -94,10 +94,10 @@ def judged(reference: list[list[Any]], wanted: tuple[Measure, ...], seen: np.nda
     return {m.name: float(found[m]) for m in wanted}
 
 
-def flown(method: str, tolerance: float, params: np.void, options: tuple[Any, ...]) -> np.ndarray:
-    """What scipy makes of the episode, as `driven` gives it."""
+def flown(actions: np.ndarray, params: np.void, options: tuple[Any, ...], method: str, tolerance: float) -> np.ndarray:
+    """What scipy makes of the episode, as `driven` gives it; `options`: records of `PARTS`."""
     state, seen = start(), []
-    for action in programme():
+    for action in actions:
         integrate(state, action, params, options, method, tolerance)
         seen.append([state[name] for name in SEEN])
     return np.array(seen)
@@ -132,7 +132,7 @@ def runs_of(episode: str, quick: bool) -> Iterator[Run]:
             yield compiled(method, step, stepped, (record, *parts, order, step, method is LOCATED), step / span)
     for name, method in SCIPY.items():
         for tolerance in (1e-5, 1e-9) if quick else (1e-4, 1e-7, 1e-10, 1e-13):
-            yield Run(method, episode, tolerance, partial(flown, name, tolerance, record, parts), span, judge)
+            yield Run(method, episode, tolerance, partial(flown, actions, record, parts, name, tolerance), span, judge)
 
 
 def system(quick: bool, progress: bool) -> System:
