@@ -83,7 +83,7 @@ def direct(episode: Episode, steps: int) -> Track:
 
     space.on_collision(2, 1, begin=begin)
     ends = []
-    for number, (vx, vz, turn) in enumerate((np.diff(track, axis=0) / dt).tolist(), start=1):  # noqa: B007 (begin)
+    for number, (vx, vz, turn) in enumerate((np.diff(track, axis=0) / dt).tolist(), start=1):
         bar.velocity, bar.angular_velocity = (vx, vz), -turn
         ball.angular_velocity = -turn  # a ball without spin, whose contact slips as its centre does
         space.step(dt)
