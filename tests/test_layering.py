@@ -17,7 +17,7 @@ ALLOWED = {
     "evaluation": {"models", "envs", "controllers", "evaluation"},
     "render": {"models", "envs", "render"},
     "experiments": {"models", "envs", "evaluation", "render", "experiments"},
-    "bench": {"models", "envs", "controllers", "evaluation", "bench"},
+    "bench": {"models", "envs", "rigid_body", "controllers", "evaluation", "bench"},
     "cli": {"models", "envs", "controllers", "evaluation", "render", "bench", "experiments", "cli"},
 }
 LIBRARIES = {

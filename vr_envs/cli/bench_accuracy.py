@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
+from vr_envs.cli.common import UserError
+
 if TYPE_CHECKING:
     from vr_envs.bench.report import Report
 
@@ -25,6 +27,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def measure(arguments: argparse.Namespace) -> Report:
     """Measure and report."""
-    from vr_envs.bench.accuracy.measure import measure as measured
-
+    try:
+        from vr_envs.bench.accuracy.measure import measure as measured
+    except ImportError as error:
+        raise UserError(
+            f"this needs mpmath, mujoco and matplotlib: pip install '.[bench]' in a clone of the project ({error})"
+        ) from error
     return measured(arguments.system, arguments.quick)

@@ -14,6 +14,7 @@ TIME = Measure("impact time", "s", "largest over the impacts", 1e-15)
 EXACT = Method("exact", "exact")
 STEPS = Method("step's end", "fixed step", "step", fixed_step=True)
 LOCATED = Method("bisection", "located step", "step")
+ADAPTIVE = Method("RK45", "scipy", "tolerance")
 
 
 def point(method, value, cost, error, episode="orbit"):
@@ -61,15 +62,15 @@ def test_cost_of_an_error_below_all_points_is_extrapolated_with_the_order():
 
 
 def test_cheapest_point_that_is_good_enough_is_measured():
-    assert reach([point(EXACT, None, 2e-5, 1e-16)], TIME) == (reach([point(EXACT, None, 2e-5, 1e-16)], TIME, 1e-14))
-    assert reach([point(EXACT, None, 2e-5, 1e-16)], TIME).how == "measured"
+    found = reach([point(EXACT, None, 2e-5, 1e-12), point(EXACT, None, 4e-5, 1e-14)], TIME)
+    assert (found.how, found.cost) == ("measured", 2e-5)
 
 
 @pytest.mark.parametrize(
     "points",
     [
         [point(STEPS, h, 1e-8 / h, 1e-3) for h in (1e-2, 1e-3, 1e-4)],  # levels off
-        power_law(1.0, method=LOCATED),  # not a fixed step: what a finer setting costs is not known
+        power_law(1.0, method=ADAPTIVE),  # what a smaller tolerance costs is not known
         [point(STEPS, 1e-3, 1.0, math.inf)],
     ],
 )
@@ -84,19 +85,32 @@ def system(points):
 
 def test_sentences_follow_the_numbers():
     good = system([point(EXACT, None, 3e-5, 1e-16), *power_law(1.0)])  # 3 s against 3e-5 s
+    pair = "100,000 (orbit, impact time)"
     assert account.sentences(good) == [
         "Toy: the exact engine is on the front in all 1 pairs of episode and error.",
+        f"Toy: at an error of 1e-09 the exact engine is {pair} to {pair} times as fast as the best fixed step.",
         "orbit, impact time to 1e-09 s: exact is 100,000 times faster than the best fixed step (step's end, "
-        "extrapolated at order 1.00).",
+        "extrapolated at order 1.00), and no other method was tried.",
     ]
+
+
+def test_sentences_say_what_is_not_as_wanted():
     poor = system([point(EXACT, None, 0.1, 1e-12), point(LOCATED, 1e-3, 0.01, 1e-13), *power_law(1.0)])
-    first, second = account.sentences(poor)
-    assert "in 0 of 1 pairs" in first and "beaten by bisection, 0.001 s" in first
-    assert "30 times faster" in second and "short of the 100 wanted" in second
+    on_front, ratio, pair = account.sentences(poor)
+    assert "in 0 of 1 pairs" in on_front and "beaten by bisection, 0.001 s" in on_front
+    assert "short of the 100 times wanted" in ratio
+    assert "30 times faster than the best fixed step" in pair
+    assert "10 times slower than the best other method (bisection, measured)" in pair
     slow = system([point(EXACT, None, 6.0, 1e-12), *power_law(1.0)])
-    assert "2 times slower than" in account.sentences(slow)[1]
+    assert "2 times slower than the best fixed step" in account.sentences(slow)[2]
     missed = system([point(EXACT, None, 0.1, 1e-3), *power_law(1.0)])
-    assert "does not reach" in account.sentences(missed)[1]
+    assert "no fixed step reaches" in account.sentences(missed)[1]
+    assert "does not reach" in account.sentences(missed)[2]
+
+
+def test_a_jump_to_rounding_is_not_interpolated():
+    found = reach([point(LOCATED, 4e-3, 1e-5, 1e-2), point(LOCATED, 2e-3, 6e-5, 1e-17)], TIME)
+    assert (found.how, found.cost, found.order) == ("measured", 6e-5, None)
 
 
 def test_tables_numbers_and_picture_of_points_that_went_astray_and_of_zero_errors():

@@ -64,30 +64,58 @@ def front_sentence(system: System) -> str:
     )
 
 
-def target_sentence(points: Sequence[Point], episode: str, measure: Measure) -> str:
-    """How many times faster the exact engine is than the best fixed step at the wanted error."""
-    found = reaches(points, measure)
-    mine = next((r for r in found if r.method.family == EXACT), None)
-    others = [r for r in found if r.method.fixed_step and r.method.family != EXACT]
-    where = f"{episode}, {measure.name} to {TARGET:g} {measure.unit}"
-    if mine is None or mine.cost is None:
-        return f"{where}: the exact engine does not reach it."
+def _against(mine: float, others: Sequence[Reach], what: str) -> str:
+    """How many times faster than the cheapest of `others` the exact engine is at the wanted error."""
     if not others:
-        return f"{where}: the exact engine takes {_short(mine.cost)} s per simulated second; no fixed step was tried."
+        return f"no {what} was tried"
     best = others[0]
     if best.cost is None:
-        return f"{where}: the exact engine takes {_short(mine.cost)} s per simulated second; no fixed step reaches it."
-    ratio = best.cost / mine.cost
+        return f"no {what} reaches it"
     how = f"{best.how} at order {best.order:.2f}" if best.how == "extrapolated" and best.order else best.how
-    verdict = "" if ratio >= WANTED else f", short of the {WANTED:g} wanted"
-    faster = f"{_short(ratio)} times faster than" if ratio >= 1.0 else f"{_short(1.0 / ratio)} times slower than"
-    return f"{where}: exact is {faster} the best fixed step ({best.method.name}, {how}){verdict}."
+    ratio = best.cost / mine
+    times = f"{_short(ratio)} times faster" if ratio >= 1.0 else f"{_short(1.0 / ratio)} times slower"
+    return f"{times} than the best {what} ({best.method.name}, {how})"
+
+
+def target_sentence(points: Sequence[Point], episode: str, measure: Measure) -> str:
+    """How the exact engine compares at the wanted error with the best fixed step and the best of all others."""
+    mine, stepped, others = rivals(points, measure)
+    where = f"{episode}, {measure.name} to {TARGET:g} {measure.unit}"
+    if mine is None:
+        return f"{where}: the exact engine does not reach it."
+    first, second = _against(mine, stepped, "fixed step"), _against(mine, others, "other method")
+    return f"{where}: exact is {first}, and {second}."
+
+
+def rivals(points: Sequence[Point], measure: Measure) -> tuple[float | None, list[Reach], list[Reach]]:
+    """What the exact engine costs at the wanted error, and `reaches` of the fixed steps and of all others."""
+    found = reaches(points, measure)
+    mine = next((r.cost for r in found if r.method.family == EXACT), None)
+    rest = [r for r in found if r.method.family != EXACT]
+    return mine, [r for r in rest if r.method.fixed_step], [r for r in rest if not r.method.fixed_step]
+
+
+def ratio_sentence(system: System) -> str:
+    """Between which bounds the exact engine is faster than the best fixed step at the wanted error."""
+    ratios = {}
+    for episode, measure in system.panels():
+        mine, stepped, _ = rivals(with_error(system.points, episode, measure), measure)
+        if mine is not None and stepped and stepped[0].cost is not None:
+            ratios[f"{episode}, {measure.name}"] = stepped[0].cost / mine
+    if not ratios:
+        return f"{system.title}: no fixed step reaches an error of {TARGET:g}."
+    least, most = min(ratios, key=ratios.__getitem__), max(ratios, key=ratios.__getitem__)
+    verdict = "" if ratios[least] >= WANTED else f"; short of the {WANTED:g} times wanted"
+    return (
+        f"{system.title}: at an error of {TARGET:g} the exact engine is {_short(ratios[least])} ({least}) to "
+        f"{_short(ratios[most])} ({most}) times as fast as the best fixed step{verdict}."
+    )
 
 
 def sentences(system: System) -> list[str]:
     """What the points show, whether it is what was hoped for or not."""
     told = [target_sentence(with_error(system.points, e, m), e, m) for e, m in system.panels()]
-    return [front_sentence(system), *told]
+    return [front_sentence(system), ratio_sentence(system), *told]
 
 
 def _cost(cost: float | None) -> str:
@@ -128,7 +156,8 @@ def points_table(system: System) -> Table:
             error = p.errors.get(m.name)
             star = " *" if error is not None and p in best[p.episode, m.name] else ""
             cells.append("" if error is None else f"{error:.1e}{star}" if math.isfinite(error) else "astray")
-        rows.append([p.episode, p.label, p.cost.text(2), *cells])
+        went = any(math.isfinite(error) for error in p.errors.values())
+        rows.append([p.episode, p.label, p.cost.text(2) if went else "-", *cells])
     head = ["episode", "method", "CPU s per simulated s", *(f"{m.name} ({m.unit})" for m in system.measures)]
     return Table(f"{system.title}: every point (* on the front)", head, rows, left=(0, 1))
 

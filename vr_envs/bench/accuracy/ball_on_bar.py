@@ -27,8 +27,8 @@ MUJOCO = Method("MuJoCo", "MuJoCo", "step", fixed_step=True)
 SCIPY = {name: Method(f"solve_ivp {name}", "scipy", "tolerance") for name in ("RK45", "DOP853", "LSODA")}
 STEPPED = {
     AT_END: Method("fixed step", "fixed step", "step", fixed_step=True),
-    CHORD: Method("fixed step, linear location", "fixed step", "step", fixed_step=True),
-    ROOT: Method("fixed step, root located", "located step", "step"),
+    CHORD: Method("step split by linear interpolation", "located step", "step"),
+    ROOT: Method("step split at the root", "located step", "step"),
 }
 
 TOLERANCES = (1e-6, 1e-12)

@@ -1,11 +1,12 @@
-"""Compiled loops over an episode of the ball: the exact model, and what a fixed step makes of the same equations.
+"""Compiled loops over an episode of the ball: the exact model, and what equal steps make of the same equations.
 
-The fixed step is the fair opponent: as compiled as the exact model, with the exact parabola and the exact motion of the
-bar at the end of each step. A ball below the surface then has had its impact
-- `AT_END`: at the end of the step, put back on the surface there (what game engines do, without their solver);
-- `CHORD`: where the straight line between the gaps at the step's ends is zero;
-- `ROOT`: where the gap is zero, to rounding. That is an event-driven method, without a guarantee that no contact is
-  missed between two steps.
+The steps are the fair opponent: as compiled as the exact model, with the exact parabola and the exact motion of the bar
+at the end of each step. A ball below the surface then has had its impact
+- `AT_END`: at the end of the step, put back on the surface there (what game engines do, without their solver): a fixed
+  step;
+- `CHORD`: where the straight line between the gaps at the step's ends is zero; the step is split there;
+- `ROOT`: where the gap is zero, to rounding; the step is split there.
+The last two are event-driven methods, without a guarantee that no contact is missed between two steps.
 An impact that the ball leaves by less than it falls in a few steps puts it on the bar. The bar's motion is written here
 from its definition, apart from the exact model's.
 """

@@ -43,14 +43,16 @@ def methods(points: Iterable[Point]) -> dict[Method, list[Point]]:
 def order(points: Sequence[Point], measure: Measure) -> float | None:
     """Power of the setting with which the error of one method falls: median slope over pairs of points, log-log.
 
-    None with fewer than two points between rounding and infinity. The median leaves out a coarse step that is not yet
-    in the asymptotic range, or an error that is small by chance.
+    None unless two points, and more than half of them, lie between rounding and infinity. The median leaves out a
+    coarse step that is not yet in the asymptotic range, or an error that is small by chance.
     """
     usable = [
         (math.log(p.value), math.log(measure.of(p)))
         for p in points
-        if p.value and 10.0 * measure.rounding < measure.of(p) < math.inf
+        if p.value and measure.resolves(p) and measure.of(p) < math.inf
     ]
+    if 2 * len(usable) <= len(points):
+        return None
     slopes = [(b[1] - a[1]) / (b[0] - a[0]) for a, b in combinations(usable, 2) if a[0] != b[0]]
     return statistics.median(slopes) if slopes else None
 
@@ -59,9 +61,9 @@ def order(points: Sequence[Point], measure: Measure) -> float | None:
 class Reach:
     """What a method costs at the wanted error, CPU seconds per simulated second (None: it is not reached).
 
-    `how`: "measured" (its cheapest point is already as good; the cost is that point's), "interpolated" between two
-    measured points, "extrapolated" from the finest with the measured order and a cost inverse to the step, or "not
-    reached". `order`: the measured one, if any.
+    `how`: "interpolated" between two measured points, "measured" (the cost is that of the cheapest point as good: it is
+    the cheapest of all, or so good that it is no matter of order), "extrapolated" from the finest with the measured
+    order and a cost inverse to the step, or "not reached". `order`: the measured one, if any.
     """
 
     method: Method
@@ -73,20 +75,20 @@ class Reach:
 def reach(points: Sequence[Point], measure: Measure, target: float = TARGET) -> Reach:
     """At what cost the method of these points (one method, one episode) has an error of at most `target`.
 
-    Only a fixed step is extrapolated: what another setting costs, and whether it helps, is not known beforehand. That
-    no rounding is met on the way is in favour of the method.
+    Only a step is extrapolated: what another setting costs, and whether it helps, is not known beforehand. That no
+    rounding is met on the way is in favour of the method.
     """
     method, found, best = points[0].method, order(points, measure), front(points, measure)
     after = next((k for k, p in enumerate(best) if measure.of(p) <= target), None)
-    if after == 0:
-        return Reach(method, best[0].cost.median, "measured", found)
+    if after is not None and (after == 0 or not measure.resolves(best[after])):
+        return Reach(method, best[after].cost.median, "measured", found)
     if after is not None:
         coarse, fine = best[after - 1], best[after]
         share = math.log(measure.of(coarse) / target) / math.log(measure.of(coarse) / measure.of(fine))
         return Reach(
             method, coarse.cost.median * (fine.cost.median / coarse.cost.median) ** share, "interpolated", found
         )
-    if best and method.fixed_step and found is not None and found >= LEAST_ORDER:
+    if best and method.setting == "step" and found is not None and found >= LEAST_ORDER:
         factor = (measure.of(best[-1]) / target) ** (1.0 / found)
         return Reach(method, best[-1].cost.median * factor, "extrapolated", found)
     return Reach(method, None, "not reached", found)

@@ -29,7 +29,7 @@ FAMILIES: tuple[str, ...] = (
     "MuJoCo",
     "pymunk",
     "fixed step",  # a compiled loop of equal steps; an event happens at a step's end
-    "located step",  # such a loop that looks for the event's place in its step: event-driven, without a guarantee
+    "located step",  # a compiled loop of steps that are split where an event is found in them
 )
 """What moves the state."""
 
@@ -51,13 +51,18 @@ class Measure:
         """The point's error, not below rounding."""
         return max(point.errors[self.name], self.rounding)
 
+    def resolves(self, point: Point) -> bool:
+        """Whether the point's error is well above rounding."""
+        return point.errors[self.name] > 10.0 * self.rounding
+
 
 @dataclasses.dataclass(frozen=True)
 class Method:
     """What moves the state: a name, one of `FAMILIES`, and the setting that is swept.
 
     `setting`: "step" (s), "tolerance" (relative), another name, or "" for a method without one. `fixed_step`: whether
-    it advances by equal steps whatever happens in them; those are what "the best fixed-step alternative" is among.
+    it advances by equal steps whatever happens in them. A method that looks for an event's place inside its step and
+    splits the step there is event-driven, if without a guarantee that it sees every event.
     """
 
     name: str
@@ -102,7 +107,7 @@ class Point:
     def label(self) -> str:
         """The method and the value of its setting."""
         unit = " s" if self.method.setting == "step" else ""
-        return self.method.name if self.value is None else f"{self.method.name}, {self.value:g}{unit}"
+        return self.method.name if self.value is None else f"{self.method.name}, {self.value:.3g}{unit}"
 
     def as_dict(self) -> dict[str, Any]:
         """For programs."""
