@@ -98,7 +98,7 @@ def test_sentences_say_what_is_not_as_wanted():
     poor = system([point(EXACT, None, 0.1, 1e-12), point(LOCATED, 1e-3, 0.01, 1e-13), *power_law(1.0)])
     on_front, ratio, pair = account.sentences(poor)
     assert "in 0 of 1 pairs" in on_front and "beaten by bisection, 0.001 s" in on_front
-    assert "short of the 100 times wanted" in ratio
+    assert "short of the 100 times wanted in 1 of 1 pairs" in ratio
     assert "30 times faster than the best fixed step" in pair
     assert "10 times slower than the best other method (bisection, measured)" in pair
     slow = system([point(EXACT, None, 6.0, 1e-12), *power_law(1.0)])
@@ -123,6 +123,7 @@ def test_tables_numbers_and_picture_of_points_that_went_astray_and_of_zero_error
         "3.0e-05",
         "astray",
     ]
+    assert account.target_table(toy).note.startswith("Orbit: ")
     assert account.target_table(toy).rows[0][2:] == ["exact", "0.0e+00", "", "3e-05", "measured", "1"]
     assert account.numbers(toy)["panels"][0]["exact_on_front"]
     axes = picture(toy).axes

@@ -17,13 +17,18 @@ WANTED = 100.0  # times faster than the best fixed step at `TARGET`
 
 @dataclasses.dataclass(frozen=True)
 class System:
-    """A system's points. `measures`: the kinds of error its points may have. `episodes`: name -> what happens in it."""
+    """A system's points.
+
+    `measures`: the kinds of error its points may have. `episodes`: name -> what happens in it. `note`: sentences on
+    what was tried and how.
+    """
 
     name: str
     title: str
     measures: Sequence[Measure]
     episodes: dict[str, str]
     points: Sequence[Point]
+    note: str = ""
 
     def panels(self) -> list[tuple[str, Measure]]:
         """The pairs of episode and kind of error that have points."""
@@ -105,7 +110,8 @@ def ratio_sentence(system: System) -> str:
     if not ratios:
         return f"{system.title}: no fixed step reaches an error of {TARGET:g}."
     least, most = min(ratios, key=ratios.__getitem__), max(ratios, key=ratios.__getitem__)
-    verdict = "" if ratios[least] >= WANTED else f"; short of the {WANTED:g} times wanted"
+    short = sum(ratio < WANTED for ratio in ratios.values())
+    verdict = f"; short of the {WANTED:g} times wanted in {short} of {len(ratios)} pairs" if short else ""
     return (
         f"{system.title}: at an error of {TARGET:g} the exact engine is {_short(ratios[least])} ({least}) to "
         f"{_short(ratios[most])} ({most}) times as fast as the best fixed step{verdict}."
@@ -138,9 +144,10 @@ def target_table(system: System) -> Table:
             error = f"{measure.name} ({measure.unit})"
             rows.append([episode, error, r.method.name, smallest, swept, _cost(r.cost), r.how, ratio])
     head = ["episode", "error", "method", "smallest error", "order", f"cost at {TARGET:g}", "known how", "over exact"]
-    note = (
-        "Cost: CPU seconds per simulated second, one core. Order: power of the step or tolerance with which the error "
-        "falls. Extrapolated: from the finest step with the measured order, as if rounding did not stop it. "
+    episodes = " ".join(f"{name.capitalize()}: {text}." for name, text in system.episodes.items())
+    note = f"{episodes} {system.note}".rstrip() + (
+        "\n\nCost: CPU seconds per simulated second, one core. Order: power of the step or tolerance with which the "
+        "error falls. Extrapolated: from the finest step with the measured order, as if rounding did not stop it. "
         + " ".join(f"{m.name.capitalize()}: {m.meaning}." for m in system.measures)
     )
     return Table(f"{system.title}: at equal error", head, rows, left=(0, 1, 2, 6), note=note)

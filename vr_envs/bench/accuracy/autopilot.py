@@ -1,7 +1,4 @@
-"""The aircraft: run time against error.
-
-A point under rate commands has no bodies, joints or contacts, so MuJoCo and pymunk have nothing to say about it.
-"""
+"""The aircraft: run time against error."""
 
 from __future__ import annotations
 
@@ -57,6 +54,12 @@ SWEEPS = {
     LOCATED: (4, tuple(2.0**-k for k in range(7))),
 }
 SMOOTH = tuple(2.0**-k for k in range(5))  # of the Runge-Kutta rule where nothing lags; then rounding takes over
+NOTE = (
+    "A point under rate commands has no bodies, joints or contacts, so MuJoCo and pymunk have nothing to say about it. "
+    "The exact kernel and the fixed steps run in a compiled loop over the control intervals, and all methods restart "
+    "at these. solve_ivp and the Runge-Kutta rule from corner to corner are told when the limit of a rate's change "
+    "ceases to act; other steps are not, and lose their order there."
+)
 STEPS = 20_000  # that one call of a compiled loop makes at least, so that the call itself costs nothing
 
 
@@ -140,4 +143,4 @@ def system(quick: bool, progress: bool) -> System:
     runs = [run for episode in EPISODES for run in runs_of(episode, quick)]
     points = measured(runs, 1 if quick else 3, 0.005 if quick else 0.04, progress, "autopilot")
     told = {name: text for name, (text, _) in EPISODES.items()}
-    return System("autopilot", "Aircraft", (ALTITUDE, HEADING, TRACK), told, points)
+    return System("autopilot", "Aircraft", (ALTITUDE, HEADING, TRACK), told, points, NOTE)

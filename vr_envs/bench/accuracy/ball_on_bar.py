@@ -16,15 +16,13 @@ from vr_envs.bench.accuracy.account import System
 from vr_envs.bench.accuracy.ball_on_bar_chipmunk import direct, rigid_body
 from vr_envs.bench.accuracy.ball_on_bar_episodes import MEASURES, Episode, Track, episodes
 from vr_envs.bench.accuracy.ball_on_bar_loops import AT_END, CHORD, KEPT, ROOT, exact, fixed_step
+from vr_envs.bench.accuracy.methods import EXACT, RIGID_BODY, SCIPY
 from vr_envs.bench.accuracy.points import Method, Run, measured
 from vr_envs.models.ball_on_bar import LOGGED
 
-EXACT = Method("exact", "exact")
 TEXTBOOK = Method("textbook (samples and bisection)", "textbook", "step")
-RIGID_BODY = Method("rigid_body", "rigid body", "step", fixed_step=True)
 PYMUNK = Method("pymunk", "pymunk", "step", fixed_step=True)
 MUJOCO = Method("MuJoCo", "MuJoCo", "step", fixed_step=True)
-SCIPY = {name: Method(f"solve_ivp {name}", "scipy", "tolerance") for name in ("RK45", "DOP853", "LSODA")}
 STEPPED = {
     AT_END: Method("fixed step", "fixed step", "step", fixed_step=True),
     CHORD: Method("step split by linear interpolation", "located step", "step"),

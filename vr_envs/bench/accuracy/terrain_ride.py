@@ -1,8 +1,4 @@
-"""The ride: run time against error.
-
-The compiled loops draw the road and take the readings as the exact engine does, by the same kernels, so that costs
-differ by what moves the vehicle. pymunk is what the engine `rigid_body` is.
-"""
+"""The ride: run time against error."""
 
 from __future__ import annotations
 
@@ -35,6 +31,13 @@ SWEEPS = {
     LOCATED: (4, (1, 2, 4, 8, 16, 32, 64)),
 }
 SMOOTH = (1, 2, 4, 8, 16)  # steps per tick of the Runge-Kutta rule where there is no contact; then rounding takes over
+NOTE = (
+    "The exact kernel and the fixed steps run in a compiled loop over the ticks of 10 ms; they draw the road and take "
+    "the readings by the same kernels, so that their costs differ by what moves the vehicle. All methods restart where "
+    "the ground's slope or the suspension jumps. solve_ivp and the Runge-Kutta rule from contact to contact look for "
+    "contacts within a step; other steps do not, and lose their order there. MuJoCo is driven directly, with tendons "
+    "for springs, stops and tyre; pymunk driven directly is what rigid_body is."
+)
 STEPS = 20_000  # that one call of a compiled loop makes at least, so that the call itself costs nothing
 
 
@@ -96,4 +99,4 @@ def system(quick: bool, progress: bool) -> System:
     """Carry out all runs."""
     runs = [run for name in SCENARIOS for run in runs_of(name, quick)]
     points = measured(runs, 1 if quick else 3, 0.005 if quick else 0.03, progress, "terrain ride")
-    return System("terrain_ride", "Ride", MEASURES, {name: s.told for name, s in SCENARIOS.items()}, points)
+    return System("terrain_ride", "Ride", MEASURES, {name: s.told for name, s in SCENARIOS.items()}, points, NOTE)
