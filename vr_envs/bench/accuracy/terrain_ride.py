@@ -32,11 +32,11 @@ SWEEPS = {
 }
 SMOOTH = (1, 2, 4, 8, 16)  # steps per tick of the Runge-Kutta rule where there is no contact; then rounding takes over
 NOTE = (
-    "The exact kernel and the fixed steps run in a compiled loop over the ticks of 10 ms; they draw the road and take "
-    "the readings by the same kernels, so that their costs differ by what moves the vehicle. All methods restart where "
-    "the ground's slope or the suspension jumps. solve_ivp and the Runge-Kutta rule from contact to contact look for "
-    "contacts within a step; other steps do not, and lose their order there. MuJoCo is driven directly, with tendons "
-    "for springs, stops and tyre; pymunk driven directly is what rigid_body is."
+    "The exact kernel and the fixed steps run in a compiled loop over the ticks of 10 ms; they draw the road and "
+    "weight the acceleration by the same kernels, so that their costs differ by what moves the vehicle. All methods "
+    "restart where the ground's slope or the suspension jumps. solve_ivp and the Runge-Kutta rule from contact to "
+    "contact look for contacts within a step; other steps do not, and lose their order there. MuJoCo is driven "
+    "directly, with tendons for springs, stops and tyre; pymunk driven directly is what rigid_body is."
 )
 STEPS = 20_000  # that one call of a compiled loop makes at least, so that the call itself costs nothing
 

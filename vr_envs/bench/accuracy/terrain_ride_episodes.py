@@ -44,17 +44,18 @@ class Scenario(NamedTuple):
     lifted: float = 0.0
 
 
-_ROAD: dict[str, Any] = {"base": "lecture", "undulation": None, "damping": "relative"}
+_PLAIN: dict[str, Any] = {"base": "lecture", "metrics": None}
+_ROAD: dict[str, Any] = {**_PLAIN, "undulation": None, "damping": "relative"}
 SCENARIOS: dict[str, Scenario] = {
     "lecture": Scenario(
         "the lecture's wheel over three sines for 2 s, new damping and modulus every 0.5 s; smooth in between, so that "
         "a rule of order 4 keeps its order",
-        {"base": "lecture"},
+        _PLAIN,
         (TRAVEL, VELOCITY, WEIGHTED),
     ),
     "ringing": Scenario(
         "the same on level ground for 4 s with the least damping, released 5 cm above rest; smooth too",
-        {"base": "lecture", "undulation": {"amplitude": 0.0}, "damping_low": 1e-3},
+        {**_PLAIN, "undulation": {"amplitude": 0.0}, "damping_low": 1e-3},
         (ENERGY,),
         actions=1,
         hold=400,

@@ -225,7 +225,7 @@ def advance_in_steps(state, action, params, undulation, road, tyre, stop, order,
             roll_undulation(state, speed * piece, undulation)
         if road is not None:
             if passes:
-                pass_knot(state, road, None, None, None, None)
+                pass_knot(state, True, road, None, None, None, None)
             else:
                 state.to_knot = max(0.0, state.to_knot - speed * piece)
         left -= piece
@@ -235,4 +235,4 @@ def advance_in_steps(state, action, params, undulation, road, tyre, stop, order,
         state.deflection, state.hub_velocity = hub - ground, y[3]
     state.travel, state.velocity = y[0] - hub, y[1]
     state.airborne, state.side = contacts[0] > 0.0, contacts[1]
-    end_tick(state, gamma, params, tyre)
+    end_tick(state, gamma, params, tyre, None)
