@@ -108,6 +108,19 @@ def test_sentences_say_what_is_not_as_wanted():
     assert "does not reach" in account.sentences(missed)[2]
 
 
+def test_a_pair_without_a_fixed_step_that_converges_is_counted():
+    level = [point(STEPS, h, 1e-8 / h, 1e-3, "chaos") for h in (1e-2, 1e-3, 1e-4)]
+    points = [point(EXACT, None, 3e-5, 1e-16), *power_law(1.0), point(EXACT, None, 3e-5, 1e-16, "chaos"), *level]
+    toy = account.System("toy", "Toy", [TIME], {"orbit": "an orbit", "chaos": "chaos"}, points)
+    assert "(1 of 2 pairs have no fixed step that reaches it)" in account.ratio_sentence(toy)
+    assert "no fixed step reaches it" in account.sentences(toy)[3]
+
+
+def test_large_ratios_are_powers_of_ten():
+    fast = system([point(EXACT, None, 1e-6, 1e-16), *power_law(1.0)])
+    assert "3.0e6 times faster" in account.sentences(fast)[2]
+
+
 def test_a_jump_to_rounding_is_not_interpolated():
     found = reach([point(LOCATED, 4e-3, 1e-5, 1e-2), point(LOCATED, 2e-3, 6e-5, 1e-17)], TIME)
     assert (found.how, found.cost, found.order) == ("measured", 6e-5, None)

@@ -43,8 +43,10 @@ def is_on_front(points: Sequence[Point], measure: Measure) -> bool:
 
 
 def _short(number: float) -> str:
-    """Two or three digits."""
-    return f"{number:.2g}" if number < 100.0 else f"{float(f'{number:.2g}'):,.0f}"
+    """Two digits; a large number as a power of ten."""
+    if number < 100.0:
+        return f"{number:.2g}"
+    return f"{float(f'{number:.2g}'):,.0f}" if number < 1e6 else f"{number:.1e}".replace("e+0", "e").replace("e+", "e")
 
 
 def front_sentence(system: System) -> str:
@@ -97,8 +99,9 @@ def rivals(points: Sequence[Point], measure: Measure) -> tuple[float | None, lis
 
 def ratio_sentence(system: System) -> str:
     """Between which bounds the exact engine is faster than the best fixed step at the wanted error."""
-    ratios = {}
-    for episode, measure in system.panels():
+    ratios: dict[str, float] = {}
+    panels = system.panels()
+    for episode, measure in panels:
         mine, stepped, _ = rivals(with_error(system.points, episode, measure), measure)
         if mine is not None and stepped and stepped[0].cost is not None:
             ratios[f"{episode}, {measure.name}"] = stepped[0].cost / mine
@@ -106,6 +109,8 @@ def ratio_sentence(system: System) -> str:
         return f"{system.title}: no fixed step reaches an error of {TARGET:g}."
     least, most = min(ratios, key=ratios.__getitem__), max(ratios, key=ratios.__getitem__)
     verdict = "" if ratios[least] >= WANTED else f"; short of the {WANTED:g} times wanted"
+    if missing := len(panels) - len(ratios):
+        verdict += f" ({missing} of {len(panels)} pairs have no fixed step that reaches it)"
     return (
         f"{system.title}: at an error of {TARGET:g} the exact engine is {_short(ratios[least])} ({least}) to "
         f"{_short(ratios[most])} ({most}) times as fast as the best fixed step{verdict}."
