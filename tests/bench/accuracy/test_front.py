@@ -49,6 +49,14 @@ def test_order_leaves_out_rounding_and_a_run_that_went_astray():
     assert order(power_law(2.0)[:1], TIME) is None
 
 
+def test_order_leaves_out_what_has_lost_the_reference():
+    lost = [point(STEPS, 0.3, 3e-8, 5.0), *power_law(1.0)]
+    bounded = Measure(TIME.name, "s", "", TIME.rounding, astray=1.0)
+    assert order(lost, bounded) == pytest.approx(1.0, rel=1e-12) != order(lost, TIME)
+    all_lost = [point(STEPS, h, 1e-8 / h, 2.0 * h**0.1) for h in (1e-2, 1e-3, 1e-4)]
+    assert order(all_lost, Measure(TIME.name, "s", "", TIME.rounding, astray=0.1)) is None
+
+
 def test_cost_of_an_error_between_two_points_is_interpolated():
     found = reach(power_law(2.0), TIME, 1e-6)
     assert found.how == "interpolated"
@@ -90,7 +98,7 @@ def test_sentences_follow_the_numbers():
         "Toy: the exact engine is on the front in all 1 pairs of episode and error.",
         f"Toy: at an error of 1e-09 the exact engine is {pair} to {pair} times as fast as the best fixed step.",
         "orbit, impact time to 1e-09 s: exact is 100,000 times faster than the best fixed step (step's end, "
-        "extrapolated at order 1.00), and no other method was tried.",
+        "extrapolated at order 1.00); no other method was tried.",
     ]
 
 

@@ -57,7 +57,7 @@ def front_sentence(system: System) -> str:
         return f"{system.title}: the exact engine is on the front in all {len(panels)} pairs of episode and error."
     told = []
     for episode, measure, points in off:
-        mine = min(measure.of(p) for p in points if p.method.family == EXACT)
+        mine = min((measure.of(p) for p in points if p.method.family == EXACT), default=math.inf)
         better = [p for p in front(points, measure) if measure.of(p) <= mine]
         told.append(f"{measure.name} in {episode!r}: beaten by {', '.join(p.label for p in better)}")
     return (
@@ -67,7 +67,7 @@ def front_sentence(system: System) -> str:
 
 
 def _against(mine: float, others: Sequence[Reach], what: str) -> str:
-    """How many times faster than the cheapest of `others` the exact engine is at the wanted error."""
+    """A clause: how many times faster than the cheapest of `others` the exact engine is at the wanted error."""
     if not others:
         return f"no {what} was tried"
     best = others[0]
@@ -76,7 +76,7 @@ def _against(mine: float, others: Sequence[Reach], what: str) -> str:
     how = f"{best.how} at order {best.order:.2f}" if best.how == "extrapolated" and best.order else best.how
     ratio = best.cost / mine
     times = f"{_short(ratio)} times faster" if ratio >= 1.0 else f"{_short(1.0 / ratio)} times slower"
-    return f"{times} than the best {what} ({best.method.name}, {how})"
+    return f"exact is {times} than the best {what} ({best.method.name}, {how})"
 
 
 def target_sentence(points: Sequence[Point], episode: str, measure: Measure) -> str:
@@ -86,7 +86,7 @@ def target_sentence(points: Sequence[Point], episode: str, measure: Measure) -> 
     if mine is None:
         return f"{where}: the exact engine does not reach it."
     first, second = _against(mine, stepped, "fixed step"), _against(mine, others, "other method")
-    return f"{where}: exact is {first}, and {second}."
+    return f"{where}: {first}; {second}."
 
 
 def rivals(points: Sequence[Point], measure: Measure) -> tuple[float | None, list[Reach], list[Reach]]:

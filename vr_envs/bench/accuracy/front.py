@@ -43,13 +43,13 @@ def methods(points: Iterable[Point]) -> dict[Method, list[Point]]:
 def order(points: Sequence[Point], measure: Measure) -> float | None:
     """Power of the setting with which the error of one method falls: median slope over pairs of points, log-log.
 
-    None unless two points, and more than half of them, lie between rounding and infinity. The median leaves out a
+    None unless two points, and more than half of them, lie between rounding and `astray`. The median leaves out a
     coarse step that is not yet in the asymptotic range, or an error that is small by chance.
     """
     usable = [
         (math.log(p.value), math.log(measure.of(p)))
         for p in points
-        if p.value and measure.resolves(p) and measure.of(p) < math.inf
+        if p.value and measure.resolves(p) and math.isfinite(measure.of(p)) and measure.of(p) <= measure.astray
     ]
     if 2 * len(usable) <= len(points):
         return None
