@@ -97,30 +97,32 @@ def rivals(points: Sequence[Point], measure: Measure) -> tuple[float | None, lis
     return mine, [r for r in rest if r.method.fixed_step], [r for r in rest if not r.method.fixed_step]
 
 
-def ratio_sentence(system: System) -> str:
-    """Between which bounds the exact engine is faster than the best fixed step at the wanted error."""
+def ratio_sentence(system: System, fixed_step: bool) -> str:
+    """Between which bounds the exact engine is faster than the best fixed step, or the best of the other methods."""
     ratios: dict[str, float] = {}
     panels = system.panels()
     for episode, measure in panels:
-        mine, stepped, _ = rivals(with_error(system.points, episode, measure), measure)
-        if mine is not None and stepped and stepped[0].cost is not None:
-            ratios[f"{episode}, {measure.name}"] = stepped[0].cost / mine
+        mine, stepped, others = rivals(with_error(system.points, episode, measure), measure)
+        rest = stepped if fixed_step else others
+        if mine is not None and rest and rest[0].cost is not None:
+            ratios[f"{episode}, {measure.name}"] = rest[0].cost / mine
+    what = "fixed step" if fixed_step else "other method"
     if not ratios:
-        return f"{system.title}: no fixed step reaches an error of {TARGET:g}."
+        return f"{system.title}: no {what} reaches an error of {TARGET:g}."
     least, most = min(ratios, key=ratios.__getitem__), max(ratios, key=ratios.__getitem__)
-    verdict = "" if ratios[least] >= WANTED else f"; short of the {WANTED:g} times wanted"
+    verdict = f"; short of the {WANTED:g} times wanted" if fixed_step and ratios[least] < WANTED else ""
     if missing := len(panels) - len(ratios):
-        verdict += f" ({missing} of {len(panels)} pairs have no fixed step that reaches it)"
+        verdict += f" ({missing} of {len(panels)} pairs have no {what} that reaches it)"
     return (
         f"{system.title}: at an error of {TARGET:g} the exact engine is {_short(ratios[least])} ({least}) to "
-        f"{_short(ratios[most])} ({most}) times as fast as the best fixed step{verdict}."
+        f"{_short(ratios[most])} ({most}) times as fast as the best {what}{verdict}."
     )
 
 
 def sentences(system: System) -> list[str]:
     """What the points show, whether it is what was hoped for or not."""
     told = [target_sentence(with_error(system.points, e, m), e, m) for e, m in system.panels()]
-    return [front_sentence(system), ratio_sentence(system), *told]
+    return [front_sentence(system), ratio_sentence(system, True), ratio_sentence(system, False), *told]
 
 
 def _cost(cost: float | None) -> str:
