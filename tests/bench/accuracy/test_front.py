@@ -49,6 +49,14 @@ def test_order_leaves_out_rounding_and_a_run_that_went_astray():
     assert order(power_law(2.0)[:1], TIME) is None
 
 
+def test_order_leaves_out_what_has_lost_the_reference():
+    lost = [point(STEPS, 0.3, 3e-8, 5.0), *power_law(1.0)]
+    bounded = Measure(TIME.name, "s", "", TIME.rounding, astray=1.0)
+    assert order(lost, bounded) == pytest.approx(1.0, rel=1e-12) != order(lost, TIME)
+    all_lost = [point(STEPS, h, 1e-8 / h, 2.0 * h**0.1) for h in (1e-2, 1e-3, 1e-4)]
+    assert order(all_lost, Measure(TIME.name, "s", "", TIME.rounding, astray=0.1)) is None
+
+
 def test_cost_of_an_error_between_two_points_is_interpolated():
     found = reach(power_law(2.0), TIME, 1e-6)
     assert found.how == "interpolated"
@@ -89,23 +97,38 @@ def test_sentences_follow_the_numbers():
     assert account.sentences(good) == [
         "Toy: the exact engine is on the front in all 1 pairs of episode and error.",
         f"Toy: at an error of 1e-09 the exact engine is {pair} to {pair} times as fast as the best fixed step.",
+        "Toy: no other method reaches an error of 1e-09.",
         "orbit, impact time to 1e-09 s: exact is 100,000 times faster than the best fixed step (step's end, "
-        "extrapolated at order 1.00), and no other method was tried.",
+        "extrapolated at order 1.00); no other method was tried.",
     ]
 
 
 def test_sentences_say_what_is_not_as_wanted():
     poor = system([point(EXACT, None, 0.1, 1e-12), point(LOCATED, 1e-3, 0.01, 1e-13), *power_law(1.0)])
-    on_front, ratio, pair = account.sentences(poor)
+    on_front, ratio, other, pair = account.sentences(poor)
     assert "in 0 of 1 pairs" in on_front and "beaten by bisection, 0.001 s" in on_front
     assert "short of the 100 times wanted in 1 of 1 pairs" in ratio
+    assert "0.1 (orbit, impact time) times as fast as the best other method." in other
     assert "30 times faster than the best fixed step" in pair
     assert "10 times slower than the best other method (bisection, measured)" in pair
     slow = system([point(EXACT, None, 6.0, 1e-12), *power_law(1.0)])
-    assert "2 times slower than the best fixed step" in account.sentences(slow)[2]
+    assert "2 times slower than the best fixed step" in account.sentences(slow)[3]
     missed = system([point(EXACT, None, 0.1, 1e-3), *power_law(1.0)])
     assert "no fixed step reaches" in account.sentences(missed)[1]
-    assert "does not reach" in account.sentences(missed)[2]
+    assert "does not reach" in account.sentences(missed)[3]
+
+
+def test_a_pair_without_a_fixed_step_that_converges_is_counted():
+    level = [point(STEPS, h, 1e-8 / h, 1e-3, "chaos") for h in (1e-2, 1e-3, 1e-4)]
+    points = [point(EXACT, None, 3e-5, 1e-16), *power_law(1.0), point(EXACT, None, 3e-5, 1e-16, "chaos"), *level]
+    toy = account.System("toy", "Toy", [TIME], {"orbit": "an orbit", "chaos": "chaos"}, points)
+    assert "(1 of 2 pairs have no fixed step that reaches it)" in account.ratio_sentence(toy, True)
+    assert "no fixed step reaches it" in account.sentences(toy)[4]
+
+
+def test_large_ratios_are_powers_of_ten():
+    fast = system([point(EXACT, None, 1e-6, 1e-16), *power_law(1.0)])
+    assert "3.0e6 times faster" in account.sentences(fast)[3]
 
 
 def test_a_jump_to_rounding_is_not_interpolated():

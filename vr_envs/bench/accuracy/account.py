@@ -48,8 +48,10 @@ def is_on_front(points: Sequence[Point], measure: Measure) -> bool:
 
 
 def _short(number: float) -> str:
-    """Two or three digits."""
-    return f"{number:.2g}" if number < 100.0 else f"{float(f'{number:.2g}'):,.0f}"
+    """Two digits; a large number as a power of ten."""
+    if number < 100.0:
+        return f"{number:.2g}"
+    return f"{float(f'{number:.2g}'):,.0f}" if number < 1e6 else f"{number:.1e}".replace("e+0", "e").replace("e+", "e")
 
 
 def front_sentence(system: System) -> str:
@@ -60,7 +62,7 @@ def front_sentence(system: System) -> str:
         return f"{system.title}: the exact engine is on the front in all {len(panels)} pairs of episode and error."
     told = []
     for episode, measure, points in off:
-        mine = min(measure.of(p) for p in points if p.method.family == EXACT)
+        mine = min((measure.of(p) for p in points if p.method.family == EXACT), default=math.inf)
         better = [p for p in front(points, measure) if measure.of(p) <= mine]
         told.append(f"{measure.name} in {episode!r}: beaten by {', '.join(p.label for p in better)}")
     return (
@@ -70,7 +72,7 @@ def front_sentence(system: System) -> str:
 
 
 def _against(mine: float, others: Sequence[Reach], what: str) -> str:
-    """How many times faster than the cheapest of `others` the exact engine is at the wanted error."""
+    """A clause: how many times faster than the cheapest of `others` the exact engine is at the wanted error."""
     if not others:
         return f"no {what} was tried"
     best = others[0]
@@ -79,7 +81,7 @@ def _against(mine: float, others: Sequence[Reach], what: str) -> str:
     how = f"{best.how} at order {best.order:.2f}" if best.how == "extrapolated" and best.order else best.how
     ratio = best.cost / mine
     times = f"{_short(ratio)} times faster" if ratio >= 1.0 else f"{_short(1.0 / ratio)} times slower"
-    return f"{times} than the best {what} ({best.method.name}, {how})"
+    return f"exact is {times} than the best {what} ({best.method.name}, {how})"
 
 
 def target_sentence(points: Sequence[Point], episode: str, measure: Measure) -> str:
@@ -89,7 +91,7 @@ def target_sentence(points: Sequence[Point], episode: str, measure: Measure) -> 
     if mine is None:
         return f"{where}: the exact engine does not reach it."
     first, second = _against(mine, stepped, "fixed step"), _against(mine, others, "other method")
-    return f"{where}: exact is {first}, and {second}."
+    return f"{where}: {first}; {second}."
 
 
 def rivals(points: Sequence[Point], measure: Measure) -> tuple[float | None, list[Reach], list[Reach]]:
@@ -100,28 +102,33 @@ def rivals(points: Sequence[Point], measure: Measure) -> tuple[float | None, lis
     return mine, [r for r in rest if r.method.fixed_step], [r for r in rest if not r.method.fixed_step]
 
 
-def ratio_sentence(system: System) -> str:
-    """Between which bounds the exact engine is faster than the best fixed step at the wanted error."""
-    ratios = {}
-    for episode, measure in system.panels():
-        mine, stepped, _ = rivals(with_error(system.points, episode, measure), measure)
-        if mine is not None and stepped and stepped[0].cost is not None:
-            ratios[f"{episode}, {measure.name}"] = stepped[0].cost / mine
+def ratio_sentence(system: System, fixed_step: bool) -> str:
+    """Between which bounds the exact engine is faster than the best fixed step, or the best of the other methods."""
+    ratios: dict[str, float] = {}
+    panels = system.panels()
+    for episode, measure in panels:
+        mine, stepped, others = rivals(with_error(system.points, episode, measure), measure)
+        rest = stepped if fixed_step else others
+        if mine is not None and rest and rest[0].cost is not None:
+            ratios[f"{episode}, {measure.name}"] = rest[0].cost / mine
+    what = "fixed step" if fixed_step else "other method"
     if not ratios:
-        return f"{system.title}: no fixed step reaches an error of {TARGET:g}."
+        return f"{system.title}: no {what} reaches an error of {TARGET:g}."
     least, most = min(ratios, key=ratios.__getitem__), max(ratios, key=ratios.__getitem__)
-    short = sum(ratio < WANTED for ratio in ratios.values())
+    short = sum(ratio < WANTED for ratio in ratios.values()) if fixed_step else 0
     verdict = f"; short of the {WANTED:g} times wanted in {short} of {len(ratios)} pairs" if short else ""
+    if missing := len(panels) - len(ratios):
+        verdict += f" ({missing} of {len(panels)} pairs have no {what} that reaches it)"
     return (
         f"{system.title}: at an error of {TARGET:g} the exact engine is {_short(ratios[least])} ({least}) to "
-        f"{_short(ratios[most])} ({most}) times as fast as the best fixed step{verdict}."
+        f"{_short(ratios[most])} ({most}) times as fast as the best {what}{verdict}."
     )
 
 
 def sentences(system: System) -> list[str]:
     """What the points show, whether it is what was hoped for or not."""
     told = [target_sentence(with_error(system.points, e, m), e, m) for e, m in system.panels()]
-    return [front_sentence(system), ratio_sentence(system), *told]
+    return [front_sentence(system), ratio_sentence(system, True), ratio_sentence(system, False), *told]
 
 
 def _cost(cost: float | None) -> str:

@@ -36,7 +36,7 @@ STEPS = {  # s, the longest first
     CHORD: (2e-3, 1e-3, 1e-4, 1e-5),
     ROOT: (4e-3, 2e-3, 1e-3, 1e-4),
 }
-SLOW_STEPS = (4e-4, 2e-4, 1e-4, 5e-5)  # s, of methods at some microseconds a step
+SLOW_STEPS = (4e-4, 2e-4, 1e-4)  # s, of methods at some microseconds a step
 ROOM = 100_000  # impacts of an episode
 AGAIN = 2000  # steps, or the work of as many, that one call makes at least: the call itself is then negligible
 TOO_FAST = 0.5  # of an episode's slowest compared impact: what a fixed step need not list

@@ -25,17 +25,23 @@ TIME = Measure(
     "impact time",
     "s",
     "largest distance from an impact of the one list to the nearest of the other, run and reference",
-    1e-16,
+    rounding=1e-16,
+    astray=5e-3,
 )
 PLACE = Measure(
-    "position", "m", "largest distance of the ball from its place in the reference, at the cycles' ends", 1e-16
+    "position",
+    "m",
+    "largest distance of the ball from its place in the reference, at the cycles' ends",
+    rounding=1e-16,
+    astray=2e-3,
 )
-GROWTH = Measure("growth rate", "1/s", "error of ln(x at the end / x at the start) / time", 1e-15)
+GROWTH = Measure("growth rate", "1/s", "error of ln(x at the end / x at the start) / time", rounding=1e-15, astray=0.3)
 ENERGY = Measure(
     "energy drift",
     "J/kg",
     "largest change of kinetic and potential energy, at the cycles' ends with the ball above the surface",
-    1e-16,
+    rounding=1e-16,
+    astray=0.05,
 )
 MEASURES = (TIME, PLACE, GROWTH, ENERGY)
 

@@ -12,7 +12,7 @@ from vr_envs.bench.accuracy.points import Measure, Method, Point
 
 TARGET = 1e-9
 """Error, in the SI unit of its measure, at which methods are compared."""
-LEAST_ORDER = 0.25  # below it a method does not converge as far as can be seen
+LEAST_ORDER = 0.5  # below it, as where errors are as large as they can be, nothing is extrapolated
 
 
 def with_error(points: Iterable[Point], episode: str, measure: Measure) -> list[Point]:
@@ -43,15 +43,12 @@ def methods(points: Iterable[Point]) -> dict[Method, list[Point]]:
 def order(points: Sequence[Point], measure: Measure) -> float | None:
     """Power of the setting with which the error of one method falls: median slope over pairs of points, log-log.
 
-    None unless two points, and more than half of them, lie between rounding and infinity. The median leaves out a
-    coarse step that is not yet in the asymptotic range, or an error that is small by chance.
+    Of the points that have not gone astray, more than half, and two at least, must be above rounding; None if not. The
+    median leaves out a coarse step that is not yet in the asymptotic range, or an error that is small by chance.
     """
-    usable = [
-        (math.log(p.value), math.log(measure.of(p)))
-        for p in points
-        if p.value and measure.resolves(p) and measure.of(p) < math.inf
-    ]
-    if 2 * len(usable) <= len(points):
+    followed = [p for p in points if measure.of(p) <= measure.astray and math.isfinite(measure.of(p))]
+    usable = [(math.log(p.value), math.log(measure.of(p))) for p in followed if p.value and measure.resolves(p)]
+    if 2 * len(usable) <= len(followed):
         return None
     slopes = [(b[1] - a[1]) / (b[0] - a[0]) for a, b in combinations(usable, 2) if a[0] != b[0]]
     return statistics.median(slopes) if slopes else None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from matplotlib.figure import Figure
 
@@ -18,10 +18,11 @@ COLOURS: dict[str, str] = dict(
     zip(FAMILIES, ("#c43e34", "#dd8028", "#8c6b3f", "#2f6fa3", "#7b4fa3", "#c765a0", "#80858d", "#2b313a"), strict=True)
 )
 MARKERS = "osD^v"
+ACROSS, DOWN = 4, 3  # panels across, if there would be more rows than this
 EDGE = 3.0  # the axes go beyond the points by this factor
 
 
-def _style(method: Method, names: list[Method]) -> dict[str, object]:
+def _style(method: Method, names: list[Method]) -> dict[str, Any]:
     """Colour by family, marker by place among the methods of the family."""
     place = [m for m in names if m.family == method.family].index(method)
     star = method.family == "exact"
@@ -51,7 +52,7 @@ def _panel(axes: Axes, system: System, episode: str, measure: Measure, names: li
     axes.fill_between(x, y, bottom, color="#f2ba80", alpha=0.25, lw=0, zorder=0)
     axes.plot(x, y, color="#dd8028", lw=4, alpha=0.35, zorder=1, label="front")
     for method, own in methods(points).items():
-        axes.plot([measure.of(p) for p in own], [p.cost.median for p in own], **_style(method, names))  # type: ignore[arg-type]
+        axes.plot([measure.of(p) for p in own], [p.cost.median for p in own], **_style(method, names))
     axes.set(xscale="log", yscale="log", xlim=(left, right), ylim=(bottom, top))
     axes.set_title(f"{episode}: {measure.name}", fontsize=9, loc="left")
     axes.set_xlabel(f"error ({measure.unit})", fontsize=8)
@@ -67,18 +68,21 @@ def _panel(axes: Axes, system: System, episode: str, measure: Measure, names: li
 
 
 def picture(system: System) -> Figure:
-    """Error to the right, cost upwards, both logarithmic; a row for each episode, a column for each kind of error."""
+    """Error to the right, cost upwards, both logarithmic; an episode's kinds of error stand side by side."""
     panels = system.panels()
-    rows = list(dict.fromkeys(episode for episode, _ in panels))
-    width = max(sum(e == episode for e, _ in panels) for episode in rows)
-    figure = Figure(figsize=(4.6 * width, 3.1 * len(rows) + 0.9), layout="constrained")
+    groups = [[m for e, m in panels if e == episode] for episode in dict.fromkeys(e for e, _ in panels)]
+    widest = max(map(len, groups))
+    abreast = max(1, ACROSS // widest) if len(groups) > DOWN else 1  # episodes in a row
+    down = math.ceil(len(groups) / abreast)
+    figure = Figure(figsize=(3.9 * widest * abreast, 3.0 * down + 0.9), layout="constrained")
     names = list(methods(system.points))
-    handles: dict[str, object] = {}
-    for k, episode in enumerate(rows):
-        for j, (_, measure) in enumerate(p for p in panels if p[0] == episode):
-            axes = figure.add_subplot(len(rows), width, k * width + j + 1)
+    handles: dict[str, Any] = {}
+    for k, episode in enumerate(dict.fromkeys(e for e, _ in panels)):
+        for j, measure in enumerate(groups[k]):
+            place = k // abreast * widest * abreast + k % abreast * widest + j + 1
+            axes = figure.add_subplot(down, widest * abreast, place)
             _panel(axes, system, episode, measure, names)
             handles |= {label: handle for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)}
     figure.suptitle(f"{system.title}: run time against error, one core", fontsize=11)
-    figure.legend(list(handles.values()), list(handles), loc="outside lower center", ncols=4, fontsize=8, frameon=False)  # type: ignore[arg-type]
+    figure.legend(list(handles.values()), list(handles), loc="outside lower center", ncols=4, fontsize=8, frameon=False)
     return figure

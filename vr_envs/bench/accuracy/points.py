@@ -39,20 +39,22 @@ class Measure:
     """A kind of error: what is wrong by how much of which unit, and how it is taken (a clause for the table's note).
 
     `rounding`: the error, in the unit, at which the rounding of double precision takes over. Smaller ones are all as
-    good, and what is below ten times that tells nothing of a method's order.
+    good, and what is below ten times that tells nothing of a method's order. Nor does an error above `astray`: such a
+    run has lost the reference, and its error is as large as it can be.
     """
 
     name: str
     unit: str
     meaning: str
     rounding: float
+    astray: float = math.inf
 
     def of(self, point: Point) -> float:
         """The point's error, not below rounding."""
         return max(point.errors[self.name], self.rounding)
 
     def resolves(self, point: Point) -> bool:
-        """Whether the point's error is well above rounding."""
+        """Whether the point's error is well above rounding, so that it depends on the setting."""
         return point.errors[self.name] > 10.0 * self.rounding
 
 
