@@ -34,6 +34,22 @@ def source_stamp() -> str:
     return digest.hexdigest()
 
 
+@cache
+def _file_stamp(path: str) -> str:
+    """Hash of a file's text; of nothing where there is no such file."""
+    return hashlib.sha256(Path(path).read_bytes() if Path(path).exists() else b"").hexdigest()
+
+
+def _closed_over(function: Any) -> tuple[str, ...]:
+    """The kernels that a function closes over, and those that they close over: names, and stamps of their files."""
+    found: tuple[str, ...] = ()
+    for cell in function.__closure__ or ():
+        inner = cell.cell_contents.py_func
+        name = f"{inner.__module__}.{inner.__qualname__} {_file_stamp(inner.__code__.co_filename)}"
+        found += (name, *_closed_over(inner))
+    return found
+
+
 class _CacheFile(IndexDataCacheFile):
     def __init__(self, cache_path: str, filename_base: str, source_stamp: str) -> None:
         super().__init__(cache_path, filename_base, source_stamp)
@@ -58,9 +74,7 @@ class _KernelCache(FunctionCache):
         )
 
     def _index_key(self, sig: Any, codegen: Any) -> tuple[Any, ...]:
-        cells = self._py_func.__closure__ or ()
-        inner = tuple(f"{c.cell_contents.py_func.__module__}.{c.cell_contents.py_func.__qualname__}" for c in cells)
-        return (sig, codegen.magic_tuple(), inner)
+        return (sig, codegen.magic_tuple(), _closed_over(self._py_func))
 
 
 def kernel(function: Any) -> Any:
