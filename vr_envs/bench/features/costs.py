@@ -1,0 +1,89 @@
+"""What each option costs where it is on, and that it costs nothing where it is off.
+
+Timed is the native loop over rows, observation and score included, in CPU time; a scene with and one without the option
+are timed in turn within each repeat, so that a ratio compares times taken side by side. Compilation is not timed.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+
+from tqdm import tqdm
+
+from vr_envs.bench.features.batch import Batch
+from vr_envs.bench.features.cases import Case, Changes, cases, plain
+from vr_envs.bench.features.instructions import Instructions
+from vr_envs.bench.features.stripped import stripped_task
+from vr_envs.bench.timing import Spread, per_call
+from vr_envs.envs.task import Task
+
+ROWS = 1024
+
+
+@dataclasses.dataclass(frozen=True)
+class Cost:
+    """Time (ns per step) and instructions of a scene, and of the one that it is compared with.
+
+    `ratio`: of the times, where steps have impacts per impact, since an option may change their number.
+    """
+
+    name: str
+    time: Spread
+    other_time: Spread
+    ratio: Spread
+    impacts: float | None
+    other_impacts: float | None
+    instructions: Instructions
+    other_instructions: Instructions
+
+
+def compare(name: str, batch: Batch, other: Batch, repeats: int, seconds: float) -> Cost:
+    """The cost of a batch beside another one."""
+    times, other_times = per_call([batch, other], repeats, seconds)
+    impacts, other_impacts = batch.impacts(), other.impacts()
+    per_impact = 1.0 if impacts is None or other_impacts is None else other_impacts / impacts
+    return Cost(
+        name,
+        Spread.of(times).scaled(1e9 / batch.steps),
+        Spread.of(other_times).scaled(1e9 / other.steps),
+        Spread.of([per_impact * a / b for a, b in zip(times, other_times, strict=True)]),
+        impacts,
+        other_impacts,
+        batch.instructions(),
+        other.instructions(),
+    )
+
+
+def option_cost(task: Task, case: Case, repeats: int, seconds: float, rows: int = ROWS) -> Cost:
+    """A scene with an option beside the same scene without it."""
+    return compare(case.option, Batch(task, case.with_it, rows), Batch(task, case.without, rows), repeats, seconds)
+
+
+def option_costs(task: Task, repeats: int, seconds: float, rows: int = ROWS, progress: bool = False) -> list[Cost]:
+    """Every option of a task, one at a time."""
+    works = tqdm(list(cases(task)), desc=f"options of {task.name}", leave=False, disable=None if progress else True)
+    return [option_cost(task, case, repeats, seconds, rows) for case in works]
+
+
+def pruning_cost(name: str, task: Task, scene: Changes, repeats: int, seconds: float, rows: int = ROWS) -> Cost:
+    """The shipped kernels in a scene beside kernels that never had the options that it lacks.
+
+    Raises:
+        ArithmeticError: the two differ in a byte.
+    """
+    with stripped_task(task, scene) as bare:
+        shipped, other = Batch(task, scene, rows), Batch(bare, None, rows)
+        if shipped.outcome() != other.outcome():
+            raise ArithmeticError(f"{task.name}, {name}: the kernels without the absent options give another result")
+        return compare(name, shipped, other, repeats, seconds)
+
+
+def pruning_costs(tasks: Sequence[Task], repeats: int, seconds: float, progress: bool = False) -> dict[str, list[Cost]]:
+    """Of every task the plain scene and the default one."""
+    found: dict[str, list[Cost]] = {}
+    works = [(task, name) for task in tasks for name in ("plain", task.default_scene)]
+    for task, name in tqdm(works, desc="options that are off", leave=False, disable=None if progress else True):
+        scene = plain(task) if name == "plain" else {"base": name}
+        found.setdefault(task.name, []).append(pruning_cost(name, task, scene, repeats, seconds))
+    return found

@@ -1,0 +1,122 @@
+"""The sources of kernels as definitions: what each file defines, and from which file it takes what it does not."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Collection
+from pathlib import Path
+
+import vr_envs
+
+PACKAGE = Path(vr_envs.__file__).parent
+FOLDERS = ("models", "envs")
+"""The folders that hold kernels."""
+
+Definition = ast.FunctionDef | ast.ClassDef | ast.Assign | ast.AnnAssign
+
+
+class Module:
+    """One file: its definitions by name, and where the names that it imports from other files come from.
+
+    `imports`: name here -> (module, name there), modules as "models.flight". A name of a module that is imported whole,
+    `model.advance`, is rewritten as the plain name `model_advance`.
+    """
+
+    def __init__(self, name: str) -> None:
+        """Read and parse the file."""
+        self.name = name
+        path = PACKAGE.joinpath(*name.split(".")).with_suffix(".py")
+        self.tree = ast.parse(path.read_text())
+        self.definitions: dict[str, Definition] = {}
+        self.imports: dict[str, tuple[str, str]] = {}
+        self.libraries: list[ast.Import | ast.ImportFrom] = []
+        wholes: dict[str, str] = {}  # name here -> module
+        for node in self.tree.body:
+            if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith(f"{vr_envs.__name__}."):
+                source = node.module.removeprefix(f"{vr_envs.__name__}.")
+                for alias in node.names:
+                    if source in FOLDERS:
+                        wholes[alias.asname or alias.name] = f"{source}.{alias.name}"
+                    else:
+                        self.imports[alias.asname or alias.name] = (source, alias.name)
+            elif isinstance(node, ast.Import) or (isinstance(node, ast.ImportFrom) and node.module != "__future__"):
+                self.libraries.append(node)
+            elif isinstance(node, ast.FunctionDef | ast.ClassDef):
+                self.definitions[node.name] = node
+            elif isinstance(node, ast.Assign | ast.AnnAssign):
+                for target in node.targets if isinstance(node, ast.Assign) else [node.target]:
+                    for part in ast.walk(target):
+                        if isinstance(part, ast.Name):
+                            self.definitions[part.id] = node
+        _Flatten(self, wholes).visit(self.tree)
+
+    def origin(self, name: str) -> tuple[str, str]:
+        """Module and name of the definition behind a name in this file."""
+        return self.imports.get(name, (self.name, name))
+
+    def text(self, names: set[str], new: set[tuple[str, str]]) -> str:
+        """Source of the definitions `names` in the order of the file, and the imports that they use.
+
+        What is not among `new`, names with their modules, is taken from the package itself.
+        """
+        own = {id(self.definitions[name]) for name in names}
+        body = [node for node in self.tree.body if id(node) in own]
+        lines = ["from __future__ import annotations"]
+        lines += [ast.unparse(node) for node in self.libraries]
+        for name in sorted({name for node in body for name in names_in(node)} - names):
+            source, there = self.origin(name)
+            if name in self.imports or name in self.definitions:
+                package = ".." if (source, there) in new else f"{vr_envs.__name__}."
+                lines.append(f"from {package}{source} import {there} as {name}")
+        return "\n".join([*lines, *(ast.unparse(ast.fix_missing_locations(node)) for node in body)]) + "\n"
+
+
+class _Flatten(ast.NodeTransformer):
+    """Rewrites `module.name` as `module_name`, an import of its own."""
+
+    def __init__(self, module: Module, wholes: dict[str, str]) -> None:
+        self.module, self.wholes = module, wholes
+
+    def visit_Attribute(self, node: ast.Attribute) -> ast.AST:
+        self.generic_visit(node)
+        if not (isinstance(node.value, ast.Name) and node.value.id in self.wholes):
+            return node
+        flat = f"{node.value.id}_{node.attr}"
+        self.module.imports[flat] = (self.wholes[node.value.id], node.attr)
+        return ast.copy_location(ast.Name(flat, node.ctx), node)
+
+
+def modules() -> dict[str, Module]:
+    """Every file of `FOLDERS`, freshly parsed, by name."""
+    names = [
+        f"{folder}.{path.stem}"
+        for folder in FOLDERS
+        for path in sorted((PACKAGE / folder).glob("*.py"))
+        if path.stem != "__init__"
+    ]
+    return {name: Module(name) for name in names}
+
+
+def names_in(node: ast.AST) -> set[str]:
+    """The plain names that a piece of source uses."""
+    return {n.id for n in ast.walk(node) if isinstance(n, ast.Name)}
+
+
+def taken(node: Definition | None) -> list[str]:
+    """Names of what a call of a function or class takes, in order."""
+    if isinstance(node, ast.FunctionDef):
+        return [a.arg for a in node.args.args]
+    if isinstance(node, ast.ClassDef):
+        return [n.target.id for n in node.body if isinstance(n, ast.AnnAssign) and isinstance(n.target, ast.Name)]
+    return []
+
+
+def carriers(options: Collection[str], files: dict[str, Module]) -> set[str]:
+    """The NamedTuples in which kernels carry options, by the name that their instances have: the class' in lower case."""
+    return {
+        name.lower()
+        for file in files.values()
+        for name, node in file.definitions.items()
+        if isinstance(node, ast.ClassDef) and any(ast.unparse(base) == "NamedTuple" for base in node.bases)
+        if set(taken(node)) & set(options)
+    }
