@@ -7,12 +7,11 @@ are timed in turn within each repeat, so that a ratio compares times taken side 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
 
 from tqdm import tqdm
 
 from vr_envs.bench.features.batch import Batch
-from vr_envs.bench.features.cases import Case, Changes, cases, plain
+from vr_envs.bench.features.cases import Changes, cases, plain
 from vr_envs.bench.features.instructions import Instructions
 from vr_envs.bench.features.stripped import stripped_task
 from vr_envs.bench.timing import Spread, per_call
@@ -50,20 +49,26 @@ def compare(name: str, batch: Batch, other: Batch, repeats: int, seconds: float)
         Spread.of([per_impact * a / b for a, b in zip(times, other_times, strict=True)]),
         impacts,
         other_impacts,
-        batch.instructions(),
-        other.instructions(),
+        batch.instructions,
+        other.instructions,
     )
 
 
-def option_cost(task: Task, case: Case, repeats: int, seconds: float, rows: int = ROWS) -> Cost:
-    """A scene with an option beside the same scene without it."""
-    return compare(case.option, Batch(task, case.with_it, rows), Batch(task, case.without, rows), repeats, seconds)
-
-
 def option_costs(task: Task, repeats: int, seconds: float, rows: int = ROWS, progress: bool = False) -> list[Cost]:
-    """Every option of a task, one at a time."""
-    works = tqdm(list(cases(task)), desc=f"options of {task.name}", leave=False, disable=None if progress else True)
-    return [option_cost(task, case, repeats, seconds, rows) for case in works]
+    """Every option of a task, one at a time: the scene with it beside the same scene without it."""
+    found, without = [], {}
+    for case in tqdm(list(cases(task)), desc=f"options of {task.name}", leave=False, disable=not progress):
+        basis = repr(case.without)
+        if basis not in without:
+            without[basis] = Batch(task, case.without, rows)
+        found.append(compare(case.option, Batch(task, case.with_it, rows), without[basis], repeats, seconds))
+    return found
+
+
+def same(batch: Batch, other: Batch) -> bool:
+    """Whether two batches do the same, to the byte."""
+    pairs = zip(batch.results(), other.results(), strict=True)
+    return all(a.tobytes() == b.tobytes() for a, b in pairs)
 
 
 def pruning_cost(name: str, task: Task, scene: Changes, repeats: int, seconds: float, rows: int = ROWS) -> Cost:
@@ -74,16 +79,13 @@ def pruning_cost(name: str, task: Task, scene: Changes, repeats: int, seconds: f
     """
     with stripped_task(task, scene) as bare:
         shipped, other = Batch(task, scene, rows), Batch(bare, None, rows)
-        if shipped.outcome() != other.outcome():
+        if not same(shipped, other):
             raise ArithmeticError(f"{task.name}, {name}: the kernels without the absent options give another result")
         return compare(name, shipped, other, repeats, seconds)
 
 
-def pruning_costs(tasks: Sequence[Task], repeats: int, seconds: float, progress: bool = False) -> dict[str, list[Cost]]:
-    """Of every task the plain scene and the default one."""
-    found: dict[str, list[Cost]] = {}
-    works = [(task, name) for task in tasks for name in ("plain", task.default_scene)]
-    for task, name in tqdm(works, desc="options that are off", leave=False, disable=None if progress else True):
-        scene = plain(task) if name == "plain" else {"base": name}
-        found.setdefault(task.name, []).append(pruning_cost(name, task, scene, repeats, seconds))
-    return found
+def pruning_costs(task: Task, repeats: int, seconds: float, rows: int = ROWS, progress: bool = False) -> list[Cost]:
+    """Of the plain scene of a task and of its default one."""
+    scenes = {"plain": plain(task), task.default_scene: {"base": task.default_scene}}
+    works = tqdm(scenes.items(), desc=f"{task.name}, options that are off", leave=False, disable=not progress)
+    return [pruning_cost(name, task, scene, repeats, seconds, rows) for name, scene in works]

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Collection
+import pkgutil
+from collections.abc import Collection, Mapping
+from importlib.util import find_spec
 from pathlib import Path
 
 import vr_envs
 
-PACKAGE = Path(vr_envs.__file__).parent
-FOLDERS = ("models", "envs")
-"""The folders that hold kernels."""
+FOLDERS = ("vr_envs.models", "vr_envs.envs")
+"""The packages that hold kernels."""
+NEW = "NEW_PACKAGE"
+"""Stands in texts for the name of the package that is made."""
 
 Definition = ast.FunctionDef | ast.ClassDef | ast.Assign | ast.AnnAssign
 
@@ -18,27 +21,27 @@ Definition = ast.FunctionDef | ast.ClassDef | ast.Assign | ast.AnnAssign
 class Module:
     """One file: its definitions by name, and where the names that it imports from other files come from.
 
-    `imports`: name here -> (module, name there), modules as "models.flight". A name of a module that is imported whole,
-    `model.advance`, is rewritten as the plain name `model_advance`.
+    `imports`: name here -> (module, name there). A name of a module that is imported whole, `model.advance`, is
+    rewritten as the plain name `model_advance`.
     """
 
     def __init__(self, name: str) -> None:
         """Read and parse the file."""
         self.name = name
-        path = PACKAGE.joinpath(*name.split(".")).with_suffix(".py")
-        self.tree = ast.parse(path.read_text())
+        spec = find_spec(name)
+        assert spec is not None and spec.origin is not None
+        self.tree = ast.parse(Path(spec.origin).read_text())
         self.definitions: dict[str, Definition] = {}
         self.imports: dict[str, tuple[str, str]] = {}
         self.libraries: list[ast.Import | ast.ImportFrom] = []
         wholes: dict[str, str] = {}  # name here -> module
         for node in self.tree.body:
             if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith(f"{vr_envs.__name__}."):
-                source = node.module.removeprefix(f"{vr_envs.__name__}.")
                 for alias in node.names:
-                    if source in FOLDERS:
-                        wholes[alias.asname or alias.name] = f"{source}.{alias.name}"
+                    if node.module in FOLDERS:
+                        wholes[alias.asname or alias.name] = f"{node.module}.{alias.name}"
                     else:
-                        self.imports[alias.asname or alias.name] = (source, alias.name)
+                        self.imports[alias.asname or alias.name] = (node.module, alias.name)
             elif isinstance(node, ast.Import) or (isinstance(node, ast.ImportFrom) and node.module != "__future__"):
                 self.libraries.append(node)
             elif isinstance(node, ast.FunctionDef | ast.ClassDef):
@@ -57,7 +60,7 @@ class Module:
     def text(self, names: set[str], new: set[tuple[str, str]]) -> str:
         """Source of the definitions `names` in the order of the file, and the imports that they use.
 
-        What is not among `new`, names with their modules, is taken from the package itself.
+        What is among `new`, names with their modules, is taken from the package `NEW`.
         """
         own = {id(self.definitions[name]) for name in names}
         body = [node for node in self.tree.body if id(node) in own]
@@ -66,7 +69,7 @@ class Module:
         for name in sorted({name for node in body for name in names_in(node)} - names):
             source, there = self.origin(name)
             if name in self.imports or name in self.definitions:
-                package = ".." if (source, there) in new else f"{vr_envs.__name__}."
+                package = f"{NEW}." if (source, there) in new else ""
                 lines.append(f"from {package}{source} import {there} as {name}")
         return "\n".join([*lines, *(ast.unparse(ast.fix_missing_locations(node)) for node in body)]) + "\n"
 
@@ -86,15 +89,15 @@ class _Flatten(ast.NodeTransformer):
         return ast.copy_location(ast.Name(flat, node.ctx), node)
 
 
-def modules() -> dict[str, Module]:
-    """Every file of `FOLDERS`, freshly parsed, by name."""
-    names = [
-        f"{folder}.{path.stem}"
-        for folder in FOLDERS
-        for path in sorted((PACKAGE / folder).glob("*.py"))
-        if path.stem != "__init__"
+def module_names() -> list[str]:
+    """Every file of `FOLDERS`."""
+    folders = [(folder, find_spec(folder)) for folder in FOLDERS]
+    return [
+        f"{folder}.{found.name}"
+        for folder, spec in folders
+        if spec is not None
+        for found in pkgutil.iter_modules(spec.submodule_search_locations)
     ]
-    return {name: Module(name) for name in names}
 
 
 def names_in(node: ast.AST) -> set[str]:
@@ -111,8 +114,8 @@ def taken(node: Definition | None) -> list[str]:
     return []
 
 
-def carriers(options: Collection[str], files: dict[str, Module]) -> set[str]:
-    """The NamedTuples in which kernels carry options, by the name that their instances have: the class' in lower case."""
+def carriers(options: Collection[str], files: Mapping[str, Module]) -> set[str]:
+    """The NamedTuples in which kernels carry options, by the name of their instances: the class' in lower case."""
     return {
         name.lower()
         for file in files.values()

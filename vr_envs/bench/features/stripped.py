@@ -16,8 +16,9 @@ import importlib
 import importlib.util
 import re
 import sys
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -25,12 +26,12 @@ from typing import Any
 from numba.core.caching import NullCache
 from numba.core.dispatcher import Dispatcher
 
-import vr_envs
-from vr_envs.bench.features.sources import FOLDERS, Module, carriers, modules, names_in, taken
+from vr_envs.bench.features.sources import NEW, Module, carriers, module_names, names_in, taken
 from vr_envs.envs.scene import Scene, resolve
 from vr_envs.envs.task import Task
 
 Name = tuple[str, str]  # module and name
+parsed = cache(Module)  # not to be changed
 
 
 class StripError(ValueError):
@@ -41,7 +42,7 @@ class _Strip(ast.NodeTransformer):
     """Takes the absent options out of one definition."""
 
     def __init__(
-        self, absent: Collection[str], carriers: Collection[str], files: dict[str, Module], module: Module
+        self, absent: Collection[str], carriers: Collection[str], files: Mapping[str, Module], module: Module
     ) -> None:
         self.absent, self.carriers, self.files, self.module = absent, carriers, files, module
 
@@ -128,7 +129,7 @@ def stripped_sources(entries: Sequence[Name], absent: Collection[str], options: 
     What is no kernel, and not changed either, is imported from where it stands.
 
     Args:
-        entries: (module, kernel), for instance ("models.ball_on_bar", "interval").
+        entries: (module, kernel), for instance ("vr_envs.models.ball_on_bar", "interval").
         absent: names among `options`.
         options: every option of the system, by the name that kernels give it.
 
@@ -138,15 +139,17 @@ def stripped_sources(entries: Sequence[Name], absent: Collection[str], options: 
     unknown = set(absent) - set(options)
     if unknown:
         raise StripError(f"there are no options {', '.join(sorted(unknown))}; choose among {', '.join(options)}")
-    files, whole = modules(), modules()  # those that are changed, and those that tell positions of arguments
+    whole = {name: parsed(name) for name in {*module_names(), *(module for module, _ in entries)}}
+    files: dict[str, Module] = {}  # those that are changed; `whole` tells the positions of arguments
     carried_in = carriers(options, whole)
     uses: dict[Name, set[Name]] = {}
     changed = set(entries)
     waiting = list(entries)
     while waiting:
         module, name = here = waiting.pop()
-        if here in uses or module not in files or name not in files[module].definitions:
+        if here in uses or module not in whole or name not in whole[module].definitions:
             continue
+        files.setdefault(module, Module(module))
         before = ast.dump(files[module].definitions[name])
         node = _Strip(absent, carried_in, whole, whole[module]).visit(files[module].definitions[name])
         if ast.dump(node) != before or _is_kernel(node):
@@ -178,32 +181,47 @@ def stripped(entries: Sequence[Name], absent: Collection[str], options: Collecti
     if records:
         sources = {name: re.sub(rf"\b({records})\b", rf"\1_{stamp}", text) for name, text in sources.items()}
     with TemporaryDirectory(prefix=package) as folder:
-        for inner in ("", *FOLDERS):
-            (Path(folder) / inner).mkdir(exist_ok=True)
-            (Path(folder) / inner / "__init__.py").touch()
         for module, text in sources.items():
-            Path(folder).joinpath(*module.split(".")).with_suffix(".py").write_text(text)
-        spec = importlib.util.spec_from_file_location(
-            package, Path(folder) / "__init__.py", submodule_search_locations=[folder]
-        )
-        assert spec is not None and spec.loader is not None
+            place = Path(folder).joinpath(*module.split(".")).with_suffix(".py")
+            place.parent.mkdir(parents=True, exist_ok=True)
+            place.write_text(text.replace(NEW, package))
+        spec = importlib.util.spec_from_loader(package, None, is_package=True)
+        assert spec is not None
+        spec.submodule_search_locations = [folder]
         sys.modules[package] = importlib.util.module_from_spec(spec)
         try:
-            spec.loader.exec_module(sys.modules[package])
             made = {module: importlib.import_module(f"{package}.{module}") for module in sources}
             for value in [value for module in made.values() for value in vars(module).values()]:
                 if isinstance(value, Dispatcher) and value.py_func.__module__.startswith(package):
-                    value._cache = NullCache()  # its types are gone in the next process
+                    vars(value)["_cache"] = NullCache()  # its types are gone in the next process
             yield [getattr(made[module], name) for module, name in entries]
         finally:
             for name in [n for n in sys.modules if n.split(".")[0] == package]:
                 del sys.modules[name]
 
 
-def kernels_of(task: Task) -> dict[str, Any]:
-    """The compiled functions of a task, by field."""
-    values = {field.name: getattr(task, field.name) for field in dataclasses.fields(task)}
-    return {name: value for name, value in values.items() if isinstance(value, Dispatcher)}
+def kernels_of(value: Any) -> list[Any]:
+    """The compiled functions in a dataclass, and in the dataclasses that it holds, in order."""
+    found = []
+    for field in dataclasses.fields(value):
+        part = getattr(value, field.name)
+        if isinstance(part, Dispatcher):
+            found.append(part)
+        elif dataclasses.is_dataclass(part) and not isinstance(part, type):
+            found += kernels_of(part)
+    return found
+
+
+def with_kernels(value: Any, made: Mapping[Any, Any]) -> Any:
+    """A dataclass with other compiled functions in place of those that `kernels_of` finds."""
+    changes = {}
+    for field in dataclasses.fields(value):
+        part = getattr(value, field.name)
+        if isinstance(part, Dispatcher):
+            changes[field.name] = made[part]
+        elif dataclasses.is_dataclass(part) and not isinstance(part, type):
+            changes[field.name] = with_kernels(part, made)
+    return dataclasses.replace(value, **changes)
 
 
 @contextmanager
@@ -212,11 +230,10 @@ def stripped_task(task: Task, changes: dict[str, Any]) -> Iterator[Task]:
     scene = resolve(task, changes)
     present = [name for name, option in scene.options.items() if option is not None]
     kernels = kernels_of(task)
-    prefix = f"{__name__.partition('.')[0]}."
-    entries = [(k.py_func.__module__.removeprefix(prefix), k.py_func.__name__) for k in kernels.values()]
+    entries = [(k.py_func.__module__, k.py_func.__name__) for k in kernels]
     with stripped(entries, set(task.options) - set(present), list(task.options)) as made:
         yield dataclasses.replace(
-            task,
+            with_kernels(task, dict(zip(kernels, made, strict=True))),
             options={name: task.options[name] for name in present},
             scenes={scene.name: {k: v for k, v in scene.as_dict().items() if v is not None and k != "base"}},
             default_scene=scene.name,
@@ -226,7 +243,6 @@ def stripped_task(task: Task, changes: dict[str, Any]) -> Iterator[Task]:
             engines={},
             sensors=(),
             rivals=(),
-            **dict(zip(kernels, made, strict=True)),
         )
 
 
