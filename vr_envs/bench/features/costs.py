@@ -18,6 +18,7 @@ from vr_envs.bench.timing import Spread, per_call
 from vr_envs.envs.task import Task
 
 ROWS = 1024
+NO_OPTION = "no option"  # the name of the plain scene
 
 
 @dataclasses.dataclass(frozen=True)
@@ -39,13 +40,14 @@ class Cost:
 
 def compare(name: str, batch: Batch, other: Batch, repeats: int, seconds: float) -> Cost:
     """The cost of a batch beside another one."""
-    times, other_times = per_call([batch, other], repeats, seconds)
+    runs = zip([batch, other], per_call([batch, other], repeats, seconds), strict=True)
+    times, other_times = ([1e9 * time / one.steps for time in some] for one, some in runs)
     impacts, other_impacts = batch.impacts(), other.impacts()
     per_impact = 1.0 if impacts is None or other_impacts is None else other_impacts / impacts
     return Cost(
         name,
-        Spread.of(times).scaled(1e9 / batch.steps),
-        Spread.of(other_times).scaled(1e9 / other.steps),
+        Spread.of(times),
+        Spread.of(other_times),
         Spread.of([per_impact * a / b for a, b in zip(times, other_times, strict=True)]),
         impacts,
         other_impacts,
@@ -86,6 +88,6 @@ def pruning_cost(name: str, task: Task, scene: Changes, repeats: int, seconds: f
 
 def pruning_costs(task: Task, repeats: int, seconds: float, rows: int = ROWS, progress: bool = False) -> list[Cost]:
     """Of the plain scene of a task and of its default one."""
-    scenes = {"plain": plain(task), task.default_scene: {"base": task.default_scene}}
-    works = tqdm(scenes.items(), desc=f"{task.name}, options that are off", leave=False, disable=not progress)
+    scenes = [(NO_OPTION, plain(task)), (task.default_scene, {"base": task.default_scene})]
+    works = tqdm(scenes, desc=f"{task.name}, options that are off", leave=False, disable=not progress)
     return [pruning_cost(name, task, scene, repeats, seconds, rows) for name, scene in works]

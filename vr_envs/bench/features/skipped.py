@@ -138,6 +138,7 @@ class Judging:
 def judging(task: Task, limit: int, repeats: int, seconds: float, rows: int = ROWS) -> list[Judging]:
     """In the default scene, for one row at a time and for all; `limit`: steps of an episode."""
     batch = Batch(task, None, rows)
+    batch()  # every row has made a step
     counts = (1, rows)
     works = [partial(batch.world.metrics, np.arange(count)) for count in counts]
     *times, steps = per_call([*works, batch], repeats, seconds)

@@ -57,16 +57,15 @@ class Module:
         """Module and name of the definition behind a name in this file."""
         return self.imports.get(name, (self.name, name))
 
-    def text(self, names: set[str], new: set[tuple[str, str]]) -> str:
-        """Source of the definitions `names` in the order of the file, and the imports that they use.
+    def text(self, nodes: Mapping[str, Definition], new: set[tuple[str, str]]) -> str:
+        """Source of definitions, by name, in the order of the file, and the imports that they use.
 
         What is among `new`, names with their modules, is taken from the package `NEW`.
         """
-        own = {id(self.definitions[name]) for name in names}
-        body = [node for node in self.tree.body if id(node) in own]
+        body = list({id(self.definitions[name]): nodes[name] for name in self.definitions if name in nodes}.values())
         lines = ["from __future__ import annotations"]
         lines += [ast.unparse(node) for node in self.libraries]
-        for name in sorted({name for node in body for name in names_in(node)} - names):
+        for name in sorted({name for node in body for name in names_in(node)} - set(nodes)):
             source, there = self.origin(name)
             if name in self.imports or name in self.definitions:
                 package = f"{NEW}." if (source, there) in new else ""

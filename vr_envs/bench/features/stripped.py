@@ -10,6 +10,7 @@ anything to do with the option from the package itself.
 from __future__ import annotations
 
 import ast
+import copy
 import dataclasses
 import hashlib
 import importlib
@@ -26,7 +27,7 @@ from typing import Any
 from numba.core.caching import NullCache
 from numba.core.dispatcher import Dispatcher
 
-from vr_envs.bench.features.sources import NEW, Module, carriers, module_names, names_in, taken
+from vr_envs.bench.features.sources import NEW, Definition, Module, carriers, module_names, names_in, taken
 from vr_envs.envs.scene import Scene, resolve
 from vr_envs.envs.task import Task
 
@@ -139,30 +140,29 @@ def stripped_sources(entries: Sequence[Name], absent: Collection[str], options: 
     unknown = set(absent) - set(options)
     if unknown:
         raise StripError(f"there are no options {', '.join(sorted(unknown))}; choose among {', '.join(options)}")
-    whole = {name: parsed(name) for name in {*module_names(), *(module for module, _ in entries)}}
-    files: dict[str, Module] = {}  # those that are changed; `whole` tells the positions of arguments
-    carried_in = carriers(options, whole)
+    files = {name: parsed(name) for name in {*module_names(), *(module for module, _ in entries)}}
+    carried_in = carriers(options, files)
+    nodes: dict[Name, Definition] = {}
     uses: dict[Name, set[Name]] = {}
     changed = set(entries)
     waiting = list(entries)
     while waiting:
         module, name = here = waiting.pop()
-        if here in uses or module not in whole or name not in whole[module].definitions:
+        if here in uses or module not in files or name not in files[module].definitions:
             continue
-        files.setdefault(module, Module(module))
-        before = ast.dump(files[module].definitions[name])
-        node = _Strip(absent, carried_in, whole, whole[module]).visit(files[module].definitions[name])
-        if ast.dump(node) != before or _is_kernel(node):
+        whole = files[module].definitions[name]
+        nodes[here] = _Strip(absent, carried_in, files, files[module]).visit(copy.deepcopy(whole))
+        if _is_kernel(whole) or ast.dump(nodes[here]) != ast.dump(whole):
             changed.add(here)
-        left = names_in(node) & set(absent)
-        if left:
+        used = names_in(nodes[here])
+        if left := used & set(absent):
             raise StripError(f"{module}.{name} still uses {', '.join(sorted(left))} without the option")
-        uses[here] = {files[module].origin(used) for used in names_in(node)}
+        uses[here] = {files[module].origin(one) for one in used}
         waiting += uses[here]
     while more := {name for name, used in uses.items() if used & changed} - changed:
         changed |= more
-    made = {module for module, _ in changed}
-    return {m: files[m].text({name for module, name in changed if module == m}, changed) for m in sorted(made)}
+    made = sorted({module for module, _ in changed})
+    return {m: files[m].text({name: nodes[at, name] for at, name in changed if at == m}, changed) for m in made}
 
 
 def _is_kernel(node: ast.AST) -> bool:
