@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numba.core.errors import TypingError
 
-from vr_envs.envs.rows import row_dtype
+from vr_envs.envs.rows import row_records
 from vr_envs.models.jit import kernel
 from vr_envs.models.lane_records import block_at, empty_blocks, lane, lane_count, read_records, record_at, write_records
 from vr_envs.models.lane_rows import blank_rows, gathered, load_lanes, scatter, store_lanes
@@ -92,10 +92,6 @@ def records(n):
     found["key"] = RNG.integers(0, 2**64 - 1, n, dtype=np.uint64)
     found["a"] = RNG.normal(size=(n, 3))
     return found
-
-
-def row_records(rows):
-    return rows.view(row_dtype(rows.dtype, rows.shape[1]))[:, 0]
 
 
 def outputs(n, width):

@@ -68,7 +68,6 @@ class BatchEnv(gym.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         self._generators: list[np.random.Generator | None] = [None] * self.num_envs
         self._seeds: list[int] = [-1] * self.num_envs
         self._done = np.zeros(self.num_envs, np.bool_)
-        self._all = np.ones(self.num_envs, np.bool_)
         self._ready = np.zeros(self.num_envs, np.bool_)
         self._begun = self._ended = False  # all rows have begun an episode; some row's has ended
 
@@ -157,16 +156,19 @@ class BatchEnv(gym.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         """
         if not self._begun:
             raise ResetNeeded(f"env {int(np.argmin(self._ready))} has not begun an episode; call reset() before step()")
-        live, stale, stopped = self._all, None, self._ended
-        if self._ended:
+        live = stale = None
+        stopped = self._ended
+        if stopped:
             if self.autoreset_mode is AutoresetMode.DISABLED:
                 raise ResetNeeded(
                     f"env {int(np.argmax(self._done))} has ended; reset it with options={{'reset_mask': ...}}"
                 )
             if self.autoreset_mode is AutoresetMode.NEXT_STEP:
                 live, stale = ~self._done, self._done
-        batch = self.world.actions(actions, (self.num_envs, self.world.widths[1]))
-        obs, rewards, terminated, truncated, self._ended = self.world.step(batch, live, self._limit)
+        workspace = self.world.workspace(self._limit)
+        workspace.take(actions, (self.num_envs, self.world.widths[1]))
+        obs, rewards, terminated, truncated = workspace.step(live)
+        self._ended = workspace.ended
         infos: dict[str, Any] = {}
         if self._ended:
             self._done = done = terminated | truncated

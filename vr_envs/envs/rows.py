@@ -9,7 +9,6 @@ import numpy as np
 
 from vr_envs.envs.scene import Scene
 from vr_envs.envs.task import Task
-from vr_envs.models.bundle import unbundled
 from vr_envs.models.jit import kernel
 from vr_envs.models.lane_records import block_at, lane, record_at
 from vr_envs.models.lane_rows import blank_rows, gathered, load_lanes, scatter, store_lanes
@@ -21,14 +20,13 @@ LOCKSTEP_FROM = 4 * WIDTH
 class Rows(NamedTuple):
     """Compiled row loops of a task.
 
-    `states` are records one after another, or blocks of them (`vr_envs.models.lane_records`); `scene` is what
-    `Scene.bundle` returns.
-    `reset(states, rows, keys, obs, scene)`: start afresh the given rows from the given keys.
-    `step(states, actions, live, limit, obs, rewards, terminated, truncated, scene) -> int`: move the live rows by one
-    control interval; 1 if an episode has ended, else 0. With a non-finite action, -1 - i if row i is the first that has
-    one, and then nothing has changed. Actions are clipped to [-1, 1] in place; `actions` and `obs` have one field,
-    `row` (`row_dtype`).
-    `observe(states, obs, scene)`: observations of all rows.
+    `states` are records one after another, or blocks of them (`vr_envs.models.lane_records`).
+    `reset(states, rows, keys, obs, params, options)`: start afresh the given rows from the given keys.
+    `step(states, actions, live, limit, obs, rewards, terminated, truncated, params, options) -> int`: move the
+    live rows by one control interval; 1 if an episode has ended, else 0. With a non-finite action, -1 - i if row i is
+    the first that has one, and then nothing has changed. Actions are clipped to [-1, 1] in place; `actions` and `obs`
+    are given as `row_records`.
+    `observe(states, obs, params, options)`: observations of all rows.
     """
 
     reset: Any
@@ -37,13 +35,17 @@ class Rows(NamedTuple):
 
 
 @cache
-def row_dtype(dtype: type, width: int) -> np.dtype[Any]:
-    """A record with the one field `row`, `width` numbers.
+def _row_dtype(dtype: np.dtype[Any], width: int) -> np.dtype[Any]:
+    return np.dtype([("row", dtype, (width,))])
+
+
+def row_records(array: np.ndarray) -> np.ndarray:
+    """The rows of a C-contiguous (n, width) array as n records with the one field `row`; shares its memory.
 
     A kernel takes row i of a plain array as a new array whose owner is reference-counted, by atomic operations
     that cost more than a short step; the field of a record is not counted.
     """
-    return np.dtype([("row", dtype, (width,))])
+    return array.view(_row_dtype(array.dtype, array.shape[1]))[:, 0]
 
 
 @kernel
@@ -60,73 +62,73 @@ def admit(actions: np.ndarray) -> int:
 
 def _build(start: Any, advance: Any, outcome: Any, observe: Any, ready: Any, advance_block: Any) -> Rows:
     @kernel
-    def reset_rows(states, rows, keys, obs, bundled):  # type: ignore[no-untyped-def]
-        scene = unbundled(bundled)
+    def reset_rows(states, rows, keys, obs, params, options):  # type: ignore[no-untyped-def]
         for k in range(rows.shape[0]):
             i = rows[k]
             state = record_at(states, i)
             state.key = keys[k]
             state.steps = 0
-            start(state, *scene)
-            observe(state, obs[i], *scene)
+            start(state, params, *options)
+            observe(state, obs[i], params, *options)
 
     @kernel
-    def step_row(state, action, row, scene):  # type: ignore[no-untyped-def]
-        advance(state, action, *scene)
+    def step_row(state, action, row, params, options):  # type: ignore[no-untyped-def]
+        advance(state, action, params, *options)
         state.steps += 1
-        judged = outcome(state, action, *scene)
-        observe(state, row, *scene)
+        judged = outcome(state, action, params, *options)
+        observe(state, row, params, *options)
         return judged
 
     @kernel
-    def step_rows(states, actions, live, limit, obs, rewards, terminated, truncated, bundled):  # type: ignore[no-untyped-def]
-        scene = unbundled(bundled)
+    def step_rows(states, actions, live, limit, obs, rewards, terminated, truncated, params, options):  # type: ignore[no-untyped-def]
         bad, ended = admit(actions), False
         if bad >= 0:
             return -1 - bad
         for i in range(rewards.shape[0]):
             if live[i]:
                 state = record_at(states, i)
-                rewards[i], terminated[i] = step_row(state, actions[i].row, obs[i].row, scene)
+                rewards[i], terminated[i] = step_row(state, actions[i].row, obs[i].row, params, options)
                 truncated[i] = state.steps >= limit
                 ended = ended or terminated[i] or truncated[i]
         return int(ended)
 
     @kernel
-    def step_blocks(states, actions, live, limit, obs, rewards, terminated, truncated, bundled):  # type: ignore[no-untyped-def]
-        scene = unbundled(bundled)
+    def step_blocks(states, actions, live, limit, obs, rewards, terminated, truncated, params, options):  # type: ignore[no-untyped-def]
         bad, ended = admit(actions), False
         if bad >= 0:
             return -1 - bad
         n = rewards.shape[0]
         for b in range(states.shape[0]):
             block, first, last = block_at(states, b), b * WIDTH, min(n, (b + 1) * WIDTH)
-            if last - first == WIDTH and all_lanes(load_lanes(live, first)) and all_lanes(ready(block, *scene)):
+            if (
+                last - first == WIDTH
+                and all_lanes(load_lanes(live, first))
+                and all_lanes(ready(block, params, *options))
+            ):
                 action, row = gathered(actions, first), blank_rows(obs)
-                advance_block(block, action, *scene)
+                advance_block(block, action, params, *options)
                 block.steps += 1
-                reward, failed = outcome(block, action, *scene)
+                reward, failed = outcome(block, action, params, *options)
                 late = block.steps >= limit
                 store_lanes(rewards, first, reward)
                 store_lanes(terminated, first, failed)
                 store_lanes(truncated, first, late)
                 ended = ended or any_lane(failed | late)
-                observe(block, row, *scene)
+                observe(block, row, params, *options)
                 scatter(row, obs, first)
             else:
                 for i in range(first, last):
                     if live[i]:
                         state = lane(block, i - first)
-                        rewards[i], terminated[i] = step_row(state, actions[i].row, obs[i].row, scene)
+                        rewards[i], terminated[i] = step_row(state, actions[i].row, obs[i].row, params, options)
                         truncated[i] = state.steps >= limit
                         ended = ended or terminated[i] or truncated[i]
         return int(ended)
 
     @kernel
-    def observe_rows(states, obs, bundled):  # type: ignore[no-untyped-def]
-        scene = unbundled(bundled)
+    def observe_rows(states, obs, params, options):  # type: ignore[no-untyped-def]
         for i in range(obs.shape[0]):
-            observe(record_at(states, i), obs[i], *scene)
+            observe(record_at(states, i), obs[i], params, *options)
 
     return Rows(reset_rows, step_rows if ready is None else step_blocks, observe_rows)
 
@@ -137,7 +139,7 @@ def _build_once(start: Any, advance: Any, outcome: Any, observe: Any, ready: Any
 
 
 @kernel
-def _stay(state, action, *scene):
+def _stay(state, action, params, *options):
     """In place of `advance` where a simulator has moved the state already."""
 
 

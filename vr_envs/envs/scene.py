@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vr_envs.models.bundle import bundle
 from vr_envs.models.record import checked, pack
 
 if TYPE_CHECKING:
@@ -46,15 +45,6 @@ class Scene:
     @functools.cached_property
     def _records(self) -> tuple[np.void, tuple[np.void | None, ...]]:
         return pack(self.params), tuple(None if o is None else pack(o) for o in self.options.values())
-
-    def bundle(self) -> np.ndarray:
-        """Parameters and options as the one array that the loops over rows take."""
-        return self._bundle
-
-    @functools.cached_property
-    def _bundle(self) -> np.ndarray:
-        params, options = self._records
-        return bundle((params, *options))
 
     @property
     def judged(self) -> bool:

@@ -1,4 +1,4 @@
-"""The training comparison of the folder `agents`, which belongs to a clone of the repository, in a process of its own."""
+"""The training comparison of the folder `agents`, which belongs to a clone, in a process of its own."""
 
 from __future__ import annotations
 
