@@ -172,9 +172,9 @@ class _GetElements(AbstractTemplate):
 
     def generic(self, args: Any, kws: Any) -> Any:
         kind, index = args
-        if isinstance(kind, SideArray) and kind.lanes and len(kind.shape) == 1 and index == INT:
-            return signature(_value_type(kind.dtype, True), kind, index)
-        return None
+        if not isinstance(kind, SideArray) or not kind.lanes or len(kind.shape) != 1 or index != INT:
+            return None
+        return signature(_value_type(kind.dtype, True), kind, index)
 
 
 @lower_builtin(operator.getitem, SideArray, Lanes)
