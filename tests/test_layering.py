@@ -21,7 +21,7 @@ ALLOWED = {
     "cli": {"models", "envs", "controllers", "evaluation", "render", "bench", "experiments", "cli"},
 }
 LIBRARIES = {
-    "models": {"math", "numpy", "numba"},
+    "models": {"math", "numpy", "numba", "llvmlite"},
     "envs": {"numpy", "gymnasium"},
     "rigid_body": {"numpy", "pymunk"},
     "controllers": {"numpy", "scipy"},

@@ -18,6 +18,7 @@ from vr_envs.models.travel_stop import TravelStop
 TICKS = 1000
 OPTIONS = (
     "undulation", "road", "profile", "bumps", "obstacle", "wheel", "tyre", "stop", "lag", "cruise", "textbook",
+    "metrics",
 )  # fmt: skip
 SCENES = {
     "quarter-car": {

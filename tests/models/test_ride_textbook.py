@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from vr_envs.envs.task import Metrics
 from vr_envs.models.record import dtype_of, pack
 from vr_envs.models.ride_options import TICK, Textbook
 from vr_envs.models.ride_textbook import drift, kick, roll, step_of
@@ -15,6 +16,7 @@ from vr_envs.models.terrain_ride import Params, State, advance
 
 OPTIONS = (
     "undulation", "road", "profile", "bumps", "obstacle", "wheel", "tyre", "stop", "lag", "cruise", "textbook",
+    "metrics",
 )  # fmt: skip
 LEVEL = (None,) * 6  # no ground but a level one
 SINES = pack(Undulation())
@@ -30,7 +32,7 @@ def fresh(**fields):
 def ridden(textbook, dt, intervals, road=None, **fields):
     """Travel, velocity and height over the start after every interval, over sines (and a road)."""
     params = pack(Params(damping="absolute", dt=dt))
-    given = {"undulation": SINES, "textbook": None if textbook is None else pack(textbook)}
+    given = {"undulation": SINES, "textbook": None if textbook is None else pack(textbook), "metrics": pack(Metrics())}
     state = fresh(**fields)
     start_undulation(state)
     if road is not None:

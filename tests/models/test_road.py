@@ -97,7 +97,7 @@ def test_preview_is_the_road_that_comes():
         for place in (0.0, 0.75, 1.0, 30.25, RING - 3.5):
             expected = np.interp(knot + place, np.arange(600), heights)
             assert road_height(state, place) == pytest.approx(expected, abs=1e-15)
-        pass_knot(state, *options)
+        pass_knot(state, True, *options)
 
 
 def test_what_lies_on_a_road_adds_to_its_roughness():
@@ -124,6 +124,6 @@ def test_a_road_does_not_end():
     start_road(state, *options)
     state["knot"] = 2**44
     for _ in range(2 * RING):
-        pass_knot(state, *options)
+        pass_knot(state, True, *options)
     assert np.isfinite(state["knots"]).all()
     assert len(set(state["knots"])) == RING

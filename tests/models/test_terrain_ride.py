@@ -15,6 +15,7 @@ from vr_envs.models.travel_stop import TravelStop
 STEPS = 1000
 OPTIONS = (
     "undulation", "road", "profile", "bumps", "obstacle", "wheel", "tyre", "stop", "lag", "cruise", "textbook",
+    "metrics",
 )  # fmt: skip
 
 

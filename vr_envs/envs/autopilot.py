@@ -6,8 +6,8 @@ import dataclasses
 import math
 
 from vr_envs.envs.autopilot_demands import NEVER, START_DRAWS, Demands, change_demands, change_is_due, demands_at
-from vr_envs.envs.autopilot_legs import LegState, begin_leg, finish_leg, watch_leg
-from vr_envs.envs.autopilot_metrics import metrics
+from vr_envs.envs.autopilot_legs import LegState, begin_leg, finish_leg
+from vr_envs.envs.autopilot_metrics import count_step, metrics, take_loads
 from vr_envs.envs.autopilot_observation import BAND, channels, errors, observe
 from vr_envs.envs.autopilot_plan import Plan, fly_leg
 from vr_envs.envs.autopilot_scenes import LEVELS, SCENES, action_channels, validate
@@ -15,21 +15,21 @@ from vr_envs.envs.autopilot_sensing import MEASURED, RING, Sensing, remember
 from vr_envs.envs.batch import BatchEnv
 from vr_envs.envs.scalar import ScalarEnv
 from vr_envs.envs.scene import Scene
-from vr_envs.envs.task import Task
+from vr_envs.envs.task import Lockstep, Metrics, Task
 from vr_envs.models import autopilot as model
 from vr_envs.models.atmosphere import airspeed, highest_airspeed, true_airspeed
-from vr_envs.models.autopilot import commanded_rates, left_envelope, wrap
+from vr_envs.models.autopilot import left_envelope, wrap
 from vr_envs.models.autopilot_options import OPTIONS
 from vr_envs.models.jit import kernel
-from vr_envs.models.load_factor import lateral_load_factor, normal_load_factor
+from vr_envs.models.lane_records import lane, lane_count
+from vr_envs.models.lanes import any_lane, negate, to_float, where
 from vr_envs.models.noise import uniform
 from vr_envs.models.record import quantity
-from vr_envs.models.turbulence import start_gusts
+from vr_envs.models.turbulence import blow, start_gusts
 
 # mean command change per interval at which, and share of the score that, restless commands cost
 RESTLESS = 0.5
 RESTLESS_COST = 0.1
-SATURATED = 0.999  # of the limit
 THIRD = 1.0 / 3.0  # a kernel multiplies: division by a constant is several times slower
 
 
@@ -57,7 +57,7 @@ def _errors(state, atmosphere):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _change_leg(state, params, envelope, atmosphere, demands, plan):  # type: ignore[no-untyped-def]
+def _change_leg(state, params, envelope, atmosphere, demands, plan, metrics):  # type: ignore[no-untyped-def]
     """Begin the next leg of the programme, or one without an end where there is none."""
     old_altitude, old_speed, old_heading = state.demand[0], state.demand[1], state.demand[2]
     if demands is not None:
@@ -66,14 +66,15 @@ def _change_leg(state, params, envelope, atmosphere, demands, plan):  # type: ig
         fly_leg(state, params, plan)
     else:
         state.next_change = NEVER
-    jumps = errors(state.demand, old_altitude, old_speed, old_heading)
-    begin_leg(state, params, _errors(state, atmosphere), jumps)
+    if metrics is not None:
+        jumps = errors(state.demand, old_altitude, old_speed, old_heading)
+        begin_leg(state, params, _errors(state, atmosphere), jumps)
 
 
 @kernel
 def start(
     state, params, envelope, energy, lags, atmosphere, wind, shear, turbulence, track, textbook, demands, plan,
-    sensing,
+    sensing, metrics,
 ):  # type: ignore[no-untyped-def]  # fmt: skip
     """Level flight on the first waypoint or anywhere in the operating range; the first leg begins at once."""
     if plan is None:
@@ -93,7 +94,7 @@ def start(
         start_gusts(state, START_DRAWS // 2 + 2, turbulence, track)
     if track is not None:
         state.x, state.z = track.x, track.z
-    _change_leg(state, params, envelope, atmosphere, demands, plan)
+    _change_leg(state, params, envelope, atmosphere, demands, plan, metrics)
     if sensing is not None:
         remember(state, atmosphere)
 
@@ -101,62 +102,84 @@ def start(
 @kernel
 def advance(
     state, action, params, envelope, energy, lags, atmosphere, wind, shear, turbulence, track, textbook,
-    demands, plan, sensing,
+    demands, plan, sensing, metrics,
 ):  # type: ignore[no-untyped-def]  # fmt: skip
     """Aircraft and ramping demands over one control interval."""
     before = state.vertical_speed
     model.advance(state, action, params, envelope, energy, lags, atmosphere, wind, shear, turbulence, track, textbook)
-    turn, speed, pull = state.turn_rate, state.speed, (state.vertical_speed - before) / params.dt
-    state.lateral_peak = max(state.lateral_peak, abs(lateral_load_factor(turn, speed)))
-    state.normal_peak = max(state.normal_peak, normal_load_factor(turn, speed, pull))
-    if demands is not None or plan is not None:
-        demands_at(state, (state.steps + 1) * params.dt)
+    _settle(state, before, params, demands, plan, metrics)
 
 
 @kernel
-def _gives_way(state, action, params, envelope, energy):  # type: ignore[no-untyped-def]
-    """Whether the commanded acceleration is changed by the shared power."""
-    _, given, _, _ = commanded_rates(state, action, params, envelope, energy)
-    _, asked, _, _ = commanded_rates(state, action, params, envelope, None)
-    return given != asked
+def ready(
+    state, params, envelope, energy, lags, atmosphere, wind, shear, turbulence, track, textbook,
+    demands, plan, sensing, metrics,
+):  # type: ignore[no-untyped-def]  # fmt: skip
+    """Whether the aircraft flies the next control interval in one piece."""
+    return model.even(state, params, envelope, energy, shear, textbook)
+
+
+@kernel
+def advance_evenly(
+    state, action, params, envelope, energy, lags, atmosphere, wind, shear, turbulence, track, textbook,
+    demands, plan, sensing, metrics,
+):  # type: ignore[no-untyped-def]  # fmt: skip
+    """`advance` of a record that is ready, on lanes too."""
+    before, altitude, speed, heading = state.vertical_speed, state.altitude, state.speed, state.heading
+    model.advance_evenly(state, action, params, envelope, energy, lags, wind, track)
+    if turbulence is not None:
+        blow(state, altitude, speed, heading, params.dt, turbulence, track)
+    _settle(state, before, params, demands, plan, metrics)
+
+
+@kernel
+def _settle(state, before, params, demands, plan, metrics):  # type: ignore[no-untyped-def]
+    """After the aircraft has moved, from the vertical speed `before` [m/s]: load factors, and demands that ramp."""
+    if metrics is not None:
+        take_loads(state, (state.vertical_speed - before) * (1.0 / params.dt))
+    if demands is not None or plan is not None:
+        demands_at(state, to_float(state.steps + 1) * params.dt)
 
 
 @kernel
 def outcome(
     state, action, params, envelope, energy, lags, atmosphere, wind, shear, turbulence, track, textbook,
-    demands, plan, sensing,
+    demands, plan, sensing, metrics,
 ):  # type: ignore[no-untyped-def]  # fmt: skip
     """Score the interval that has ended; then, when due, change the demands."""
-    closeness, movement, inside = 0.0, 0.0, True
     away = _errors(state, atmosphere)
+    closeness, movement = 0.0, 0.0
     for channel in range(3):
-        size, command = abs(away[channel]), action[channel]
-        state.error_sum[channel] += size
-        closeness += BAND[channel] / (BAND[channel] + size)
-        inside = inside and size <= BAND[channel]
-        movement += abs(command - state.action[channel])
-        limited = abs(command) >= SATURATED
-        if energy is not None:  # noqa: SIM102 (numba prunes a bare test of None)
-            if channel == 1:
-                limited = limited or _gives_way(state, action, params, envelope, energy)
-        state.saturated += limited
-        state.earlier_action[channel] = state.action[channel]
+        command, last = action[channel], state.action[channel]
+        closeness += BAND[channel] / (BAND[channel] + abs(away[channel]))
+        movement += abs(command - last)
+        state.earlier_action[channel] = last
         state.action[channel] = command
     movement *= THIRD
-    state.movement_sum += movement
-    state.in_band += inside
-    watch_leg(state, params, away, inside)
-    state.lost = left_envelope(state, params, atmosphere)
-    reward = 0.0
-    if not state.lost:
-        reward = THIRD * closeness * (1.0 - min(RESTLESS_COST / RESTLESS * movement, RESTLESS_COST))
-    if demands is not None or plan is not None:  # noqa: SIM102 (numba prunes a bare test of None)
-        if change_is_due(state, params) and not state.lost:
-            finish_leg(state, params)
-            _change_leg(state, params, envelope, atmosphere, demands, plan)
+    lost = left_envelope(state, params, atmosphere)
+    state.lost = lost
+    if metrics is not None:
+        count_step(state, action, away, movement, params, envelope, energy)
+    calm = 1.0 - min(RESTLESS_COST / RESTLESS * movement, RESTLESS_COST)
+    reward = where(lost, 0.0, THIRD * closeness * calm)
+    if demands is not None or plan is not None:
+        due = change_is_due(state, params) & negate(lost)
+        if any_lane(due):
+            for k in range(lane_count(state)):
+                if lane(due, k):
+                    record = lane(state, k)
+                    if metrics is not None:
+                        finish_leg(record, params)
+                    _change_leg(record, params, envelope, atmosphere, demands, plan, metrics)
     if sensing is not None:
         remember(state, atmosphere)
-    return reward, state.lost
+    return reward, lost
+
+
+def _lockstep_possible(scene: Scene) -> bool:
+    """Quadrature of the track behind lags, shear, instruments and the textbook's steps go record by record."""
+    present = {name for name, option in scene.options.items() if option is not None}
+    return not present & {"shear", "textbook", "sensing"} and not {"lags", "track"} <= present
 
 
 def _control_interval(scene: Scene) -> float:
@@ -166,7 +189,7 @@ def _control_interval(scene: Scene) -> float:
 TASK = Task(
     name="autopilot",
     params=model.Params,
-    options={**OPTIONS, "demands": Demands, "plan": Plan, "sensing": Sensing},
+    options={**OPTIONS, "demands": Demands, "plan": Plan, "sensing": Sensing, "metrics": Metrics},
     state=State,
     scenes=SCENES,
     default_scene="airliner",
@@ -182,6 +205,7 @@ TASK = Task(
     validate=validate,
     engines={"textbook": OPTIONS["textbook"]},
     rivals=(("demands", "plan"),),
+    lockstep=Lockstep(_lockstep_possible, ready, advance_evenly),
 )
 
 

@@ -16,6 +16,7 @@ from vr_envs.models.atmosphere import airspeed, highest_airspeed, true_airspeed
 from vr_envs.models.autopilot import rate_limits, wrap
 from vr_envs.models.clock import SAME
 from vr_envs.models.jit import kernel
+from vr_envs.models.lanes import where
 from vr_envs.models.noise import uniform
 from vr_envs.models.record import quantity
 
@@ -59,8 +60,9 @@ def demands_at(state, time):  # type: ignore[no-untyped-def]
     """
     left = state.next_change - time
     for channel in range(3):
-        if state.demand_rate[channel] != 0.0:
-            state.demand[channel] = state.demand_target[channel] - state.demand_rate[channel] * left
+        rate = state.demand_rate[channel]
+        ramped = state.demand_target[channel] - rate * left
+        state.demand[channel] = where(rate != 0.0, ramped, state.demand[channel])
     state.demand[_HEADING] = wrap(state.demand[_HEADING])
 
 

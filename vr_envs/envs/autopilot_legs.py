@@ -23,6 +23,7 @@ from vr_envs.envs.autopilot_demands import NEVER, DemandState
 from vr_envs.envs.autopilot_observation import BAND
 from vr_envs.models.clock import SAME
 from vr_envs.models.jit import kernel
+from vr_envs.models.lanes import to_int, where
 from vr_envs.models.record import quantity
 
 JUDGED = 20.0  # s: shortest leg that is judged
@@ -85,23 +86,24 @@ def begin_leg(state, params, errors, jumps):  # type: ignore[no-untyped-def]
 @kernel
 def watch_leg(state, params, errors, inside):  # type: ignore[no-untyped-def]
     """Take the errors (3) at the end of an interval; `inside`: all of them are within the band."""
-    state.held = state.held + 1 if inside else 0
-    if state.tail_left == 0:
-        state.tail_left = tail_steps(params)
-        for channel in range(3):
-            state.tail_before[channel], state.tail_sum[channel] = state.tail_sum[channel], 0.0
-    state.tail_left -= 1
+    state.held = where(inside, state.held + 1, 0)
+    left = state.tail_left
+    anew = left == 0
+    state.tail_left = where(anew, tail_steps(params), left) - 1
     flown = state.steps - state.leg_start
-    if abs(errors[2]) > BEHIND and errors[2] * state.per_start[2] < 0.0:
-        state.per_start[2] = -state.per_start[2]  # the short way round has become the other one: no overshoot
+    # where the short way round has become the other one there is no overshoot
+    other_way = (abs(errors[2]) > BEHIND) & (errors[2] * state.per_start[2] < 0.0)
+    state.per_start[2] = where(other_way, -state.per_start[2], state.per_start[2])
     for channel in range(3):
         error = errors[channel]
         size = abs(error)
         lowest = min(state.lowest[channel], error * state.per_start[channel])
         state.lowest[channel] = lowest
-        state.rising[channel] += (lowest > RISE_TO) & (lowest <= RISE_FROM)
-        state.outside[channel] = flown if size > BAND[channel] else state.outside[channel]
-        state.tail_sum[channel] += size
+        state.rising[channel] += to_int((lowest > RISE_TO) & (lowest <= RISE_FROM))
+        state.outside[channel] = where(size > BAND[channel], flown, state.outside[channel])
+        tail = state.tail_sum[channel]
+        state.tail_before[channel] = where(anew, tail, state.tail_before[channel])
+        state.tail_sum[channel] = where(anew, 0.0, tail) + size
 
 
 @kernel
@@ -129,8 +131,7 @@ def finish_leg(state, params):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def finish_episodes(states, params):  # type: ignore[no-untyped-def]
-    """Add the present legs of episodes that have ended to their sums: of lost aircraft, and legs without an end."""
-    for i in range(states.shape[0]):
-        if states[i].lost or states[i].next_change >= NEVER:
-            finish_leg(states[i], params)
+def finish_episode(state, params):  # type: ignore[no-untyped-def]
+    """Add the present leg of an episode that has ended to its sums: of a lost aircraft, or a leg without an end."""
+    if state.lost or state.next_change >= NEVER:
+        finish_leg(state, params)

@@ -12,6 +12,7 @@ from vr_envs.envs.scene import Scene
 from vr_envs.envs.task import Channel
 from vr_envs.models.atmosphere import airspeed_rate, true_airspeed
 from vr_envs.models.autopilot import rate_limits, wrap
+from vr_envs.models.elementary import log
 from vr_envs.models.jit import kernel
 
 # tolerance of each channel: the score of a channel is 1/2 there (altitude m, airspeed m/s, heading rad)
@@ -52,14 +53,20 @@ def _put(row, index, value):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _signed_log(error: float, channel: int) -> float:
-    return math.copysign(math.log(1.0 + abs(error) * _PER_BAND[channel]) * _PER_LOG_SPAN[channel], error)
+def _signed_log(error, channel):  # type: ignore[no-untyped-def]
+    return math.copysign(log(1.0 + abs(error) * _PER_BAND[channel]) * _PER_LOG_SPAN[channel], error)
+
+
+@kernel
+def delays_of(lags):  # type: ignore[no-untyped-def]
+    """Time constants [s] of the three channels."""
+    return lags.vertical, lags.along, lags.turn
 
 
 @kernel
 def observe(
     state, row, params, envelope, energy, lags, atmosphere, wind, shear, turbulence, track, textbook, demands,
-    plan, sensing,
+    plan, sensing, metrics,
 ):  # type: ignore[no-untyped-def]  # fmt: skip
     """Write the observation of a record into `row` (float32, 23 channels of `channels`)."""
     altitude, speed, heading, climb, acceleration, turn = measure(state, atmosphere, sensing)
@@ -68,24 +75,23 @@ def observe(
         1.0 / max(params.acceleration, params.deceleration),
         1.0 / params.turn,
     )
-    delays = (0.0, 0.0, 0.0)
-    if lags is not None:
-        delays = (lags.vertical, lags.along, lags.turn)
     away = errors(state.demand, altitude, speed, heading)
     rates = (climb, acceleration, turn)
     changes = (climb, airspeed_rate(altitude, speed, climb, acceleration, atmosphere), turn)
     for channel in range(3):
         error = away[channel]
-        lead = error - delays[channel] * (changes[channel] - state.demand_rate[channel])
+        lead = error
+        if lags is not None:
+            lead -= delays_of(lags)[channel] * (changes[channel] - state.demand_rate[channel])
         _put(row, channel, _signed_log(error, channel))
-        _put(row, 3 + channel, error / (BAND[channel] + abs(error)))
-        _put(row, 6 + channel, lead / (BAND[channel] + abs(lead)))
+        row[3 + channel] = error / (BAND[channel] + abs(error))
+        row[6 + channel] = lead / (BAND[channel] + abs(lead))
         _put(row, 9 + channel, rates[channel] * per_limit[channel])
         _put(row, 12 + channel, state.demand_rate[channel] * per_limit[channel])
-        _put(row, 17 + channel, state.action[channel])
-        _put(row, 20 + channel, state.earlier_action[channel])
-    _put(row, 15, 2.0 * (speed - params.stall_speed) / (params.top_speed - params.stall_speed) - 1.0)
-    _put(row, 16, 2.0 * altitude / params.ceiling - 1.0)
+        row[17 + channel] = state.action[channel]
+        row[20 + channel] = state.earlier_action[channel]
+    _put(row, 15, (speed - params.stall_speed) * (2.0 / (params.top_speed - params.stall_speed)) - 1.0)
+    _put(row, 16, altitude * (2.0 / params.ceiling) - 1.0)
 
 
 def read(observations: np.ndarray, scene: Scene) -> Reading:

@@ -25,6 +25,7 @@ _AIRLINER: dict[str, Any] = {
     "atmosphere": True,
     "turbulence": True,
     "demands": True,
+    "metrics": True,
 }
 SCENES: dict[str, dict[str, Any]] = {
     "airliner": _AIRLINER,
@@ -36,7 +37,7 @@ SCENES: dict[str, dict[str, Any]] = {
         "track": True,
         "sensing": True,
     },
-    "lecture": {"track": True, "demands": True},
+    "lecture": {"track": True, "demands": True, "metrics": True},
 }
 # light and moderate turbulence of MIL-F-8785C
 LEVELS: dict[str, dict[str, Any]] = {

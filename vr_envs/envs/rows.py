@@ -7,13 +7,20 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from vr_envs.envs.scene import Scene
 from vr_envs.envs.task import Task
 from vr_envs.models.jit import kernel
+from vr_envs.models.lane_records import block_at, lane, record_at
+from vr_envs.models.lane_rows import blank_rows, gathered, load_lanes, scatter, store_lanes
+from vr_envs.models.lanes import WIDTH, all_lanes
+
+LOCKSTEP_FROM = 4 * WIDTH
 
 
 class Rows(NamedTuple):
     """Compiled row loops of a task.
 
+    `states` are records one after another, or blocks of them (`vr_envs.models.lane_records`).
     `reset(states, rows, keys, obs, params, options)`: start afresh the given rows from the given keys.
     `step(states, actions, live, limit, obs, rewards, terminated, truncated, params, options) -> int`: move the
     live rows by one control interval; -1, or the index of the first row with a non-finite action (then nothing
@@ -52,41 +59,78 @@ def admit(actions: np.ndarray) -> int:
     return -1
 
 
-def _build(start: Any, advance: Any, outcome: Any, observe: Any) -> Rows:
+def _build(start: Any, advance: Any, outcome: Any, observe: Any, ready: Any, advance_block: Any) -> Rows:
     @kernel
     def reset_rows(states, rows, keys, obs, params, options):  # type: ignore[no-untyped-def]
         for k in range(rows.shape[0]):
             i = rows[k]
-            states[i].key = keys[k]
-            states[i].steps = 0
-            start(states[i], params, *options)
-            observe(states[i], obs[i], params, *options)
+            state = record_at(states, i)
+            state.key = keys[k]
+            state.steps = 0
+            start(state, params, *options)
+            observe(state, obs[i], params, *options)
+
+    @kernel
+    def step_row(state, action, row, params, options):  # type: ignore[no-untyped-def]
+        advance(state, action, params, *options)
+        state.steps += 1
+        judged = outcome(state, action, params, *options)
+        observe(state, row, params, *options)
+        return judged
 
     @kernel
     def step_rows(states, actions, live, limit, obs, rewards, terminated, truncated, params, options):  # type: ignore[no-untyped-def]
         bad = admit(actions)
         if bad >= 0:
             return bad
-        for i in range(states.shape[0]):
+        for i in range(rewards.shape[0]):
             if live[i]:
-                advance(states[i], actions[i].row, params, *options)
-                states[i].steps += 1
-                rewards[i], terminated[i] = outcome(states[i], actions[i].row, params, *options)
-                truncated[i] = states[i].steps >= limit
-                observe(states[i], obs[i].row, params, *options)
+                state = record_at(states, i)
+                rewards[i], terminated[i] = step_row(state, actions[i].row, obs[i].row, params, options)
+                truncated[i] = state.steps >= limit
+        return -1
+
+    @kernel
+    def step_blocks(states, actions, live, limit, obs, rewards, terminated, truncated, params, options):  # type: ignore[no-untyped-def]
+        bad = admit(actions)
+        if bad >= 0:
+            return bad
+        n = rewards.shape[0]
+        for b in range(states.shape[0]):
+            block, first, last = block_at(states, b), b * WIDTH, min(n, (b + 1) * WIDTH)
+            if (
+                last - first == WIDTH
+                and all_lanes(load_lanes(live, first))
+                and all_lanes(ready(block, params, *options))
+            ):
+                action, row = gathered(actions, first), blank_rows(obs)
+                advance_block(block, action, params, *options)
+                block.steps += 1
+                reward, ended = outcome(block, action, params, *options)
+                store_lanes(rewards, first, reward)
+                store_lanes(terminated, first, ended)
+                store_lanes(truncated, first, block.steps >= limit)
+                observe(block, row, params, *options)
+                scatter(row, obs, first)
+            else:
+                for i in range(first, last):
+                    if live[i]:
+                        state = lane(block, i - first)
+                        rewards[i], terminated[i] = step_row(state, actions[i].row, obs[i].row, params, options)
+                        truncated[i] = state.steps >= limit
         return -1
 
     @kernel
     def observe_rows(states, obs, params, options):  # type: ignore[no-untyped-def]
-        for i in range(states.shape[0]):
-            observe(states[i], obs[i], params, *options)
+        for i in range(obs.shape[0]):
+            observe(record_at(states, i), obs[i], params, *options)
 
-    return Rows(reset_rows, step_rows, observe_rows)
+    return Rows(reset_rows, step_rows if ready is None else step_blocks, observe_rows)
 
 
 @cache
-def _build_once(start: Any, advance: Any, outcome: Any, observe: Any) -> Rows:
-    return _build(start, advance, outcome, observe)
+def _build_once(start: Any, advance: Any, outcome: Any, observe: Any, ready: Any, advance_block: Any) -> Rows:
+    return _build(start, advance, outcome, observe, ready, advance_block)
 
 
 @kernel
@@ -94,6 +138,19 @@ def _stay(state, action, params, *options):
     """In place of `advance` where a simulator has moved the state already."""
 
 
-def rows_of(task: Task, simulated: bool = False) -> Rows:
-    """The compiled row loops of `task`; with `simulated` their `step` judges states that have been moved already."""
-    return _build_once(task.start, _stay if simulated else task.advance, task.outcome, task.observe)
+def in_lockstep(task: Task, scene: Scene, count: int) -> bool:
+    """Whether `count` records of a scene are kept in blocks and moved side by side.
+
+    Below `LOCKSTEP_FROM` the second set of kernels would not be worth its compilation.
+    """
+    return task.lockstep is not None and count >= LOCKSTEP_FROM and task.lockstep.possible(scene)
+
+
+def rows_of(task: Task, simulated: bool = False, lockstep: bool = False) -> Rows:
+    """The compiled row loops of `task`; with `simulated` their `step` judges states that have been moved already.
+
+    With `lockstep` their `step` takes records in blocks, and moves a block at once where all its records are ready.
+    """
+    advance = _stay if simulated else task.advance
+    ready, advance_block = (task.lockstep.ready, task.lockstep.advance) if lockstep and task.lockstep else (None, None)
+    return _build_once(task.start, advance, task.outcome, task.observe, ready, advance_block)

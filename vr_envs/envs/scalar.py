@@ -12,6 +12,7 @@ import gymnasium as gym
 import numpy as np
 from gymnasium.error import ResetNeeded
 
+from vr_envs.envs.single import Single
 from vr_envs.envs.task import Task
 from vr_envs.envs.world import NO_LIMIT, World, check_options, episode_key, scenario_keys
 
@@ -36,10 +37,9 @@ class ScalarEnv(gym.Env[np.ndarray, np.ndarray]):
         self.observation_space = self.world.observation_space
         self.action_space = self.world.action_space
         self.render_mode = render_mode
-        self._live = np.ones(1, np.bool_)
-        self._row = np.zeros(1, np.intp)
+        self._single = Single(self.world)
+        self._shape = self.action_space.shape
         self._ready = self._restored = False
-        self._limit = NO_LIMIT
         self._painter: Any = None
 
     def reset(
@@ -54,18 +54,16 @@ class ScalarEnv(gym.Env[np.ndarray, np.ndarray]):
         if self.spec is not None:
             # gym.make strikes the limit from the spec that the environment sees: its TimeLimit wrapper keeps it
             registered = gym.registry.get(self.spec.id, self.spec)
-            self._limit = registered.max_episode_steps or NO_LIMIT
+            self._single.limit = registered.max_episode_steps or NO_LIMIT
         if options and options.get("state") is not None:
-            obs = self.world.observe()
+            obs = self.world.observe()[0]
         else:
-            keys = np.array([episode_key(self.np_random)]) if keys is None else keys
-            obs = np.empty((1, self.world.widths[0]), np.float32)
-            self.world.reset(self._row, keys, obs)
+            obs = self._single.reset(episode_key(self.np_random) if keys is None else keys[0])
             self._restored = False
         self._ready = True
         if self.render_mode == "human":
             self.render()
-        return obs[0], {}
+        return obs, {}
 
     def step(self, action: Any) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
         """Move by one control interval. The last step's info holds the episode's metrics.
@@ -76,15 +74,20 @@ class ScalarEnv(gym.Env[np.ndarray, np.ndarray]):
         """
         if not self._ready:
             raise ResetNeeded("the episode has ended or has not begun; call reset() before step()")
-        actions = self.world.actions(action, (self.world.widths[1],))
-        obs, rewards, terminated, truncated = self.world.step(actions, self._live, self._limit)
+        single = self._single
+        if type(action) is np.ndarray and action.shape == self._shape and action.dtype.kind == "f":
+            single.action[0] = action
+        else:
+            single.action[:] = self.world.actions(action, self._shape)
+        obs = single.step()
+        terminated, truncated = single.terminated.item(), single.truncated.item()
         info: dict[str, Any] = {}
-        if terminated[0] or self.world.states["steps"][0] == self._limit:
+        if terminated or (truncated and self.world.storage.array["steps"].item() == single.limit):
             info = self.metrics()
-        self._ready = not terminated[0]
+            self._ready = not terminated
         if self.render_mode == "human":
             self.render()
-        return obs[0], float(rewards[0]), bool(terminated[0]), self._restored and bool(truncated[0]), info
+        return obs, single.reward.item(), terminated, self._restored and truncated, info
 
     @property
     def engine(self) -> str:
@@ -97,11 +100,11 @@ class ScalarEnv(gym.Env[np.ndarray, np.ndarray]):
         An environment does not see a time limit that `gym.make(..., max_episode_steps=n)` lays over the registered
         one; ask for the metrics here then.
         """
-        return {name: values[0].item() for name, values in self.world.metrics(self._row).items()}
+        return {name: values[0].item() for name, values in self.world.metrics(np.zeros(1, np.intp)).items()}
 
     def get_state(self) -> np.void:
         """A copy of the record: with it and the actions, the episode replays to the same bytes."""
-        return self.world.states[0].copy()
+        return self.world.copy()[0]
 
     def set_state(self, state: Any) -> None:
         """Go to a record that `get_state` returned.
@@ -109,7 +112,7 @@ class ScalarEnv(gym.Env[np.ndarray, np.ndarray]):
         A TimeLimit wrapper counts from its own last reset; a restored episode is truncated by the environment
         itself, when the record has made the registered number of steps.
         """
-        self.world.load(state, self._row)
+        self.world.load(state, np.zeros(1, np.intp))
         self._ready = self._restored = True
 
     def render(self) -> Any:

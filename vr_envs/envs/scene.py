@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import dataclasses
 import difflib
+import functools
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -38,8 +39,17 @@ class Scene:
     """The preset's name, and what differs from the preset."""
 
     def records(self) -> tuple[np.void, tuple[np.void | None, ...]]:
-        """The records that kernels take: (params, options in kernel order)."""
+        """The records that kernels take: (params, options in kernel order); packed once, not to be written to."""
+        return self._records
+
+    @functools.cached_property
+    def _records(self) -> tuple[np.void, tuple[np.void | None, ...]]:
         return pack(self.params), tuple(None if o is None else pack(o) for o in self.options.values())
+
+    @property
+    def judged(self) -> bool:
+        """Whether episodes have metrics: not if the task has an option `metrics` that is absent here."""
+        return self.options.get("metrics", ...) is not None
 
     @property
     def added(self) -> dict[str, Any]:

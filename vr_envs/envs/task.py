@@ -22,6 +22,25 @@ class Channel:
     high: float = 1.0
 
 
+@dataclasses.dataclass(frozen=True)
+class Metrics:
+    """Option of a task: what is counted of an episode, and told when it ends; without it neither is done."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Lockstep:
+    """How a batch moves neighbouring records side by side, on lanes (`vr_envs.models.lanes`).
+
+    `possible(scene)`: whether the kernels of a scene can be compiled for lanes; outcome and observe are the task's.
+    `ready(state, params, *options)`: a mask, whether nothing out of the ordinary will happen to a record in the next
+    control interval; in it `advance(state, action, params, *options)` does to every record what the task's does.
+    """
+
+    possible: Callable[[Scene], bool]
+    ready: Any
+    advance: Any
+
+
 def _accept(scene: Scene) -> None:
     """No constraint between the values of a scene."""
 
@@ -39,7 +58,8 @@ class Task:
     an option of the kernels is theirs; another stands in place of `advance`, in `vr_envs.<engine>.<task name>`. A
     record that has the class attribute `OPTIONS` names there the options that the engine knows. `sensors` are the
     options by which the state is observed otherwise than as it is; they exclude each other. So do the options of each
-    group in `rivals`: one that is laid over a preset takes the place of that in the preset.
+    group in `rivals`: one that is laid over a preset takes the place of that in the preset. With `lockstep` a large
+    batch is moved eight records at a time, to the same bytes.
     """
 
     name: str
@@ -61,6 +81,7 @@ class Task:
     engines: dict[str, type] = dataclasses.field(default_factory=dict)
     sensors: tuple[str, ...] = ()
     rivals: tuple[tuple[str, ...], ...] = ()
+    lockstep: Lockstep | None = None
 
     @property
     def engine_names(self) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ import numpy as np
 from vr_envs.envs.batch import BatchEnv
 from vr_envs.envs.scalar import ScalarEnv
 from vr_envs.envs.scene import Scene
-from vr_envs.envs.task import Task
+from vr_envs.envs.task import Lockstep, Metrics, Task
 from vr_envs.envs.terrain_ride_engines import ENGINES
 from vr_envs.envs.terrain_ride_observation import (
     Preview,
@@ -23,6 +23,7 @@ from vr_envs.envs.terrain_ride_observation import (
 from vr_envs.envs.terrain_ride_rules import validate
 from vr_envs.models import terrain_ride as model
 from vr_envs.models.jit import kernel
+from vr_envs.models.lanes import where
 from vr_envs.models.noise import uniform
 from vr_envs.models.record import quantity
 from vr_envs.models.ride_meter import readings
@@ -42,6 +43,7 @@ ROAD: dict[str, Any] = {
     "lag": True,
     "preview": True,
     "noise": True,
+    "metrics": True,
 }
 QUARTER_CAR: dict[str, Any] = {
     **ROAD,
@@ -63,7 +65,7 @@ class State(model.State):
 @kernel
 def start(
     state, params, undulation, road, profile, bumps, obstacle, wheel, tyre, stop, payload, lag, cruise,
-    preview, noise, textbook,
+    preview, noise, textbook, metrics,
 ):  # type: ignore[no-untyped-def]  # fmt: skip
     """At rest where spring and tyre balance the payload, actuators at mid-range."""
     if undulation is not None:
@@ -78,34 +80,50 @@ def start(
 @kernel
 def advance(
     state, action, params, undulation, road, profile, bumps, obstacle, wheel, tyre, stop, payload, lag, cruise,
-    preview, noise, textbook,
+    preview, noise, textbook, metrics,
 ):  # type: ignore[no-untyped-def]  # fmt: skip
     """The ride over one control interval."""
     model.advance(
-        state, action, params, undulation, road, profile, bumps, obstacle, wheel, tyre, stop, lag, cruise, textbook
-    )
+        state, action, params,
+        undulation, road, profile, bumps, obstacle, wheel, tyre, stop, lag, cruise, textbook, metrics,
+    )  # fmt: skip
+
+
+@kernel
+def ready(
+    state, params, undulation, road, profile, bumps, obstacle, wheel, tyre, stop, payload, lag, cruise,
+    preview, noise, textbook, metrics,
+):  # type: ignore[no-untyped-def]  # fmt: skip
+    """Whether the next control interval is one whole tick."""
+    return model.even(state, params)
+
+
+@kernel
+def advance_evenly(
+    state, action, params, undulation, road, profile, bumps, obstacle, wheel, tyre, stop, payload, lag, cruise,
+    preview, noise, textbook, metrics,
+):  # type: ignore[no-untyped-def]  # fmt: skip
+    """`advance` of a record that is ready, on lanes too."""
+    model.advance_evenly(state, action, params, undulation, road, profile, bumps, obstacle, wheel, stop, lag, metrics)
 
 
 @kernel
 def outcome(
     state, action, params, undulation, road, profile, bumps, obstacle, wheel, tyre, stop, payload, lag, cruise,
-    preview, noise, textbook,
+    preview, noise, textbook, metrics,
 ):  # type: ignore[no-untyped-def]  # fmt: skip
     """Score the interval that has ended: comfort and travel together, nothing in contact with a stop."""
-    state.hits += state.touches
-    discomfort, stroke = state.weighted / params.comfort, state.travel / params.rattle
+    discomfort, stroke = state.weighted * (1.0 / params.comfort), state.travel * (1.0 / params.rattle)
     reward = 1.0 / (1.0 + discomfort * discomfort + stroke * stroke)
     if cruise is not None:
         late = max(0.0, lateness(state, params, cruise)) / cruise.lateness
         reward /= 1.0 + late * late
-    ended = False
+    ended = state.fault != 0
     if stop is not None:
-        if state.side != 0.0 or state.touches > 0:
-            reward = 0.0
-        ended = abs(state.travel) > stop.travel + stop.crush
-    if state.fault:
-        reward, ended = 0.0, True
-    return reward, ended
+        state.hits += state.touches
+        reward = where((state.side != 0.0) | (state.touches > 0), 0.0, reward)
+        ended = ended | (abs(state.travel) > stop.travel + stop.crush)
+    return where(state.fault != 0, 0.0, reward), ended
 
 
 def metrics(states: np.ndarray, scene: Scene) -> dict[str, np.ndarray]:
@@ -138,6 +156,13 @@ def metrics(states: np.ndarray, scene: Scene) -> dict[str, np.ndarray]:
     }
 
 
+def _lockstep_possible(scene: Scene) -> bool:
+    """Contacts of a tyre, a choice of speed, sines on a road and what is rare on one go record by record."""
+    present = {name for name, option in scene.options.items() if option is not None}
+    rare = {"tyre", "cruise", "textbook", "profile", "obstacle", "wheel"}
+    return not present & rare and not {"undulation", "road"} <= present
+
+
 def _control_interval(scene: Scene) -> float:
     return scene.params.dt
 
@@ -160,6 +185,7 @@ TASK = Task(
         "preview": Preview,
         "noise": SensorNoise,
         "textbook": Textbook,
+        "metrics": Metrics,
     },
     state=State,
     scenes={
@@ -172,7 +198,7 @@ TASK = Task(
             "cruise": {"fastest": 25.0, "schedule": 15.0},
             "preview": {"horizon": 1.6, "samples": 20},
         },
-        "lecture": {"undulation": True, "damping": "absolute"},
+        "lecture": {"undulation": True, "damping": "absolute", "metrics": True},
     },
     default_scene="road",
     levels={
@@ -190,6 +216,7 @@ TASK = Task(
     dt=_control_interval,
     validate=validate,
     engines=ENGINES,
+    lockstep=Lockstep(_lockstep_possible, ready, advance_evenly),
 )
 
 

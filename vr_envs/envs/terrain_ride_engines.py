@@ -15,7 +15,7 @@ class RigidBody:
 
     OPTIONS: ClassVar[tuple[str, ...]] = (
         "undulation", "road", "profile", "bumps", "obstacle", "wheel", "tyre", "stop", "payload", "lag", "cruise",
-        "preview", "noise",
+        "preview", "noise", "metrics",
     )  # fmt: skip
 
     step: float = quantity(

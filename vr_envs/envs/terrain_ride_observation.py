@@ -77,7 +77,7 @@ def lateness(state, params, cruise):
 @kernel
 def observe(
     state, row, params, undulation, road, profile, bumps, obstacle, wheel, tyre, stop, payload, lag, cruise,
-    preview, noise, textbook,
+    preview, noise, textbook, metrics,
 ):  # type: ignore[no-untyped-def]  # fmt: skip
     """Write the observation of a record into `row` (float32, the channels of `channels`)."""
     travel, rate, velocity, acceleration = state.travel, state.travel_rate, state.velocity, state.acceleration

@@ -13,12 +13,14 @@ from typing import Any
 import numpy as np
 from gymnasium.spaces import Box
 
-from vr_envs.envs.rows import admit, row_records, rows_of
+from vr_envs.envs.rows import admit, in_lockstep, row_records, rows_of
 from vr_envs.envs.scene import Scene, resolve
+from vr_envs.envs.storage import Blocks, Plain, Storage
 from vr_envs.envs.task import Channel, Task
 from vr_envs.models.record import dtype_of
 
 NO_LIMIT = np.iinfo(np.int64).max  # control intervals
+_LARGEST_KEY = np.iinfo(np.uint64).max
 
 
 def box(channels: tuple[Channel, ...]) -> Box:
@@ -29,7 +31,7 @@ def box(channels: tuple[Channel, ...]) -> Box:
 
 def episode_key(generator: np.random.Generator) -> np.uint64:
     """The 64-bit key from which an episode draws its start and all its disturbances."""
-    return generator.integers(np.iinfo(np.uint64).max, dtype=np.uint64, endpoint=True)
+    return generator.integers(_LARGEST_KEY, dtype=np.uint64, endpoint=True)
 
 
 def simulator_of(task_name: str, scene: Scene) -> Any:
@@ -51,21 +53,26 @@ class World:
         self.scene = resolve(task, scene, **choices)
         self.params, self.options = self.scene.records()
         self.simulator = simulator_of(task.name, self.scene)
-        self.rows = rows_of(task, simulated=self.simulator is not None)
-        self.states = np.zeros(n, dtype_of(task.state))
+        simulated = self.simulator is not None
+        lockstep = not simulated and in_lockstep(task, self.scene, n)
+        self.rows = rows_of(task, simulated, lockstep)
+        self.storage: Storage = Blocks(dtype_of(task.state), n) if lockstep else Plain(dtype_of(task.state), n)
+        self._count, self._blank = n, np.zeros(1, self.storage.dtype)
         self.observation_space = box(task.observation_channels(self.scene))
         self.action_space = box(task.action_channels(self.scene))
         self.widths = (self.observation_space.shape[0], self.action_space.shape[0])
         self._compiled = False
 
-    def _compile(self) -> None:
+    def compile(self) -> None:
         """Compile the kernels, or load them from the cache; a word on stderr if that takes longer than two seconds."""
+        if self._compiled:
+            return
         message = f"vr_envs: compiling {self.task.name}, scene {self.scene.name}; the next run will start at once"
         timer = threading.Timer(2.0, print, (message,), {"file": sys.stderr, "flush": True})
         timer.start()
         try:
             scratch = copy.copy(self)
-            scratch.states, scratch._compiled = np.zeros(1, self.states.dtype), True
+            scratch.storage, scratch._count, scratch._compiled = type(self.storage)(self.storage.dtype, 1), 1, True
             scratch.reset(np.zeros(1, np.intp), np.zeros(1, np.uint64), scratch.observe())
             scratch.step(np.zeros((1, self.widths[1])), np.ones(1, np.bool_), 1)
         finally:
@@ -80,36 +87,49 @@ class World:
             raise ValueError(f"action {given!r} is not an array of numbers; give shape {shape}") from error
         if actions.shape != shape:
             raise ValueError(f"action has shape {actions.shape}; give {shape}, each entry in [-1, 1]")
-        return actions.reshape(len(self.states), self.widths[1])
+        return actions.reshape(self._count, self.widths[1])
 
     def step(self, actions: np.ndarray, live: np.ndarray, limit: int) -> tuple[np.ndarray, ...]:
         """Move the live rows; returns fresh (observations, rewards, terminated, truncated)."""
-        n = len(self.states)
+        n = self._count
         obs = np.empty((n, self.widths[0]), np.float32)
         rewards = np.zeros(n)
         terminated, truncated = np.zeros(n, np.bool_), np.zeros(n, np.bool_)
         acts, seen = row_records(actions), row_records(obs)
-        if self.simulator is not None and admit(acts) < 0:
-            for i in np.flatnonzero(live):
-                self.simulator.advance(self.states[i], actions[i])
+        if self.simulator is not None:
+            self.simulate(acts, live)
         bad = self.rows.step(
-            self.states, acts, live, limit, seen, rewards, terminated, truncated, self.params, self.options
+            self.storage.array, acts, live, limit, seen, rewards, terminated, truncated, self.params, self.options
         )
         if bad >= 0:
-            raise ValueError(f"action of env {bad} is {actions[bad]}; every entry must be finite. Nothing was stepped")
+            raise refused(bad, actions)
         return obs, rewards, terminated, truncated
+
+    def simulate(self, acts: np.ndarray, live: np.ndarray) -> None:
+        """Let the simulator move the live rows, unless an action is not finite; `acts` are `row_records`."""
+        if admit(acts) < 0:
+            for i in np.flatnonzero(live):
+                self.simulator.advance(self.storage.array[i], acts[i]["row"])
 
     def reset(self, rows: np.ndarray, keys: np.ndarray, obs: np.ndarray) -> None:
         """Start the given rows afresh and write their observations."""
-        if not self._compiled:
-            self._compile()
-        self.states[rows] = np.zeros((), self.states.dtype)
-        self.rows.reset(self.states, rows, keys, obs, self.params, self.options)
+        self.compile()
+        self.storage.write(rows, self._blank)
+        self.rows.reset(self.storage.array, rows, keys, obs, self.params, self.options)
+
+    @property
+    def states(self) -> np.ndarray:
+        """The records: themselves where they are kept one after another, else a copy that refuses to be written to."""
+        return self.storage.records
+
+    def copy(self) -> np.ndarray:
+        """A copy of the records."""
+        return self.storage.read(np.arange(self._count))
 
     def load(self, states: Any, rows: np.ndarray) -> None:
         """Overwrite the given rows with saved records, after checking them."""
         given = np.atleast_1d(np.asarray(states))
-        if given.dtype != self.states.dtype:
+        if given.dtype != self.storage.dtype:
             raise ValueError(f"state is not a record of {self.task.name}; give what get_state() returned, in any scene")
         if given.shape != (len(rows),):
             raise ValueError(f"state has shape {given.shape}; give {len(rows)} records")
@@ -121,17 +141,24 @@ class World:
                 raise ValueError(
                     f"state field {field.name!r} is not in [{low:g}, {high:g}]; give what get_state() returned"
                 )
-        self.states[rows] = given
+        self.storage.write(rows, given)
 
     def observe(self) -> np.ndarray:
         """Fresh observations of all rows."""
-        obs = np.empty((len(self.states), self.widths[0]), np.float32)
-        self.rows.observe(self.states, obs, self.params, self.options)
+        obs = np.empty((self._count, self.widths[0]), np.float32)
+        self.rows.observe(self.storage.array, obs, self.params, self.options)
         return obs
 
     def metrics(self, rows: np.ndarray) -> dict[str, np.ndarray]:
-        """Domain metrics of the given rows' episodes so far, one array per name."""
-        return dict(self.task.metrics(self.states.take(rows), self.scene))
+        """Domain metrics of the given rows' episodes so far, one array per name; none if the scene does without."""
+        if not self.scene.judged:
+            return {}
+        return dict(self.task.metrics(self.storage.read(rows), self.scene))
+
+
+def refused(row: int, actions: np.ndarray) -> ValueError:
+    """The error for a row of the actions that is not finite."""
+    return ValueError(f"action of env {row} is {actions[row]}; every entry must be finite. Nothing was stepped")
 
 
 def scenario_keys(options: Mapping[str, Any] | None, n: int) -> np.ndarray | None:

@@ -50,7 +50,7 @@ def ridden(textbook: Textbook | None) -> tuple[Ride, np.ndarray]:
     settings_record = None if textbook is None else pack(textbook)
     heights, ground, phases = np.empty(SAMPLES), np.empty(SAMPLES), np.empty((SAMPLES, WAVES), complex)
     for k in range(-SETTLED, SAMPLES):
-        advance(state, MID, params, undulation, *(None,) * 9, settings_record)
+        advance(state, MID, params, undulation, *(None,) * 9, settings_record, None)
         if k >= 0:
             ground[k] = undulation_ahead(state, 0.0, undulation)
             level = state["climb"] if textbook is not None and textbook.reading == "B" else ground[k]

@@ -9,7 +9,9 @@ from __future__ import annotations
 import math
 
 from vr_envs.models.constants import G
+from vr_envs.models.elementary import exp, power
 from vr_envs.models.jit import kernel
+from vr_envs.models.lanes import any_lane, where
 
 TROPOPAUSE = 11000.0  # m
 SEA_LEVEL_TEMPERATURE = 288.15  # K
@@ -73,16 +75,19 @@ def sound_speed(altitude: float) -> float:
 @kernel
 def equivalent_share(altitude: float) -> float:
     """Equivalent over true airspeed, sqrt(rho / rho0), at an altitude [m]."""
-    if altitude > TROPOPAUSE:
-        return _TOP_ROOT * math.exp(-0.5 * _PER_HEIGHT * (altitude - TROPOPAUSE))
-    if altitude < 0.0:
-        return (temperature(altitude) / SEA_LEVEL_TEMPERATURE) ** (0.5 * (_EXPONENT - 1.0))
     y = altitude * (2.0 / TROPOPAUSE) - 1.0  # a power is twice as slow as its series
     square = y * y
-    even, odd = 0.0, 0.0
+    even, odd = 0.0 * y, 0.0 * y
     for a, b in _SHARE:
         even, odd = even * square + a, odd * square + b
-    return even + y * odd
+    share = even + y * odd
+    above, below = altitude > TROPOPAUSE, altitude < 0.0
+    if any_lane(above):
+        share = where(above, _TOP_ROOT * exp(-0.5 * _PER_HEIGHT * (altitude - TROPOPAUSE)), share)
+    if any_lane(below):
+        ratio = temperature(altitude) / SEA_LEVEL_TEMPERATURE
+        share = where(below, power(ratio, 0.5 * (_EXPONENT - 1.0)), share)
+    return share
 
 
 @kernel
@@ -112,7 +117,7 @@ def airspeed_rate(altitude, measured, climb, acceleration, atmosphere):  # type:
     """
     if atmosphere is None:
         return acceleration
-    decay = 0.5 * _PER_HEIGHT if altitude > TROPOPAUSE else _SHARE_LAPSE / temperature(altitude)
+    decay = where(altitude > TROPOPAUSE, 0.5 * _PER_HEIGHT, _SHARE_LAPSE / temperature(altitude))
     return acceleration * equivalent_share(altitude) - decay * climb * measured
 
 

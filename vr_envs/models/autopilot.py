@@ -23,6 +23,7 @@ from vr_envs.models.constants import G
 from vr_envs.models.ground_track import turn_with_lags, uniform_turn
 from vr_envs.models.jit import kernel
 from vr_envs.models.lag import clamped_lag
+from vr_envs.models.lanes import floor, negate, where
 from vr_envs.models.record import quantity
 from vr_envs.models.shear import lagging_track_in_shear, shear_bounds, shear_gain, uniform_track_in_shear
 from vr_envs.models.standstill import sheared_stop_time, stop_time
@@ -89,7 +90,7 @@ class State:
 @kernel
 def wrap(angle: float) -> float:
     """The same direction in [-pi, pi)."""
-    return angle - 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))
+    return angle - 2.0 * math.pi * floor((angle + math.pi) / (2.0 * math.pi))
 
 
 @kernel
@@ -106,7 +107,7 @@ def turn_limit(speed, params, envelope):  # type: ignore[no-untyped-def]
     """Largest turn rate [rad/s] at an airspeed [m/s]: the lesser of the standard rate and g tan(bank) / v."""
     if envelope is None:
         return params.turn
-    return min(params.turn, envelope.lateral / speed) if speed > 0.0 else params.turn
+    return where(speed > 0.0, min(params.turn, envelope.lateral / speed), params.turn)
 
 
 @kernel
@@ -222,11 +223,19 @@ def commanded_rates(state, action, params, envelope, energy):  # type: ignore[no
     climb, turn = params.climb, params.turn
     if envelope is not None:
         climb, turn = state.climb_limit, state.turn_limit
-    vertical_speed = action[0] * (climb if action[0] > 0.0 else params.descent)
-    acceleration = action[1] * (params.acceleration if action[1] > 0.0 else params.deceleration)
+    vertical_speed = action[0] * where(action[0] > 0.0, climb, params.descent)
+    acceleration = action[1] * where(action[1] > 0.0, params.acceleration, params.deceleration)
     if energy is not None:
         acceleration = within_power(vertical_speed, acceleration, state.weight_per_speed, climb, params, energy)
     return vertical_speed, acceleration, action[2] * turn, turn
+
+
+@kernel
+def _roll_in(turn, lags):  # type: ignore[no-untyped-def]
+    """Largest rate of change of the turn rate [rad/s^2], 0 where it follows at once; `turn`: the largest turn rate."""
+    if lags is None:
+        return 0.0
+    return turn / lags.roll_in
 
 
 @kernel
@@ -234,13 +243,61 @@ def _hold(state, action, params, duration, envelope, energy, lags, wind, shear, 
     """Fly for `duration` [s] as commanded, with the limits as they are."""
     vertical_speed, acceleration, turn_rate, turn = commanded_rates(state, action, params, envelope, energy)
     if textbook is None:
-        slew = 0.0
-        if lags is not None:
-            slew = turn / lags.roll_in
+        slew = _roll_in(turn, lags)
         fly(state, vertical_speed, acceleration, turn_rate, slew, duration, lags, wind, shear, track)
     else:
         fly_in_steps(state, vertical_speed, acceleration, turn_rate, duration, track, textbook)
         state.heading = wrap(state.heading)
+
+
+@kernel
+def even(state, params, envelope, energy, shear, textbook):  # type: ignore[no-untyped-def]
+    """Whether the next control interval is flown in one piece: limits renewed at its ends alone, no standstill."""
+    if shear is not None or textbook is not None:
+        return False
+    moves = state.speed > params.dt * max(params.deceleration, -state.acceleration)
+    if not _renewing(envelope, energy, shear):
+        return moves
+    late = params.dt + state.owed - params.refresh
+    return moves & (state.time_to_refresh <= 0.0) & (late >= -MEET) & (late <= MEET)
+
+
+@kernel
+def advance_evenly(state, action, params, envelope, energy, lags, wind, track):  # type: ignore[no-untyped-def]
+    """Move a record for which `even` holds over a control interval, gusts apart; on lanes too."""
+    duration = params.dt
+    if _renewing(envelope, energy, None):
+        duration = params.refresh
+        state.owed = left_after(params.dt + state.owed, duration, 1, duration)
+        renew_limits(state, params, envelope, energy)
+        state.time_to_refresh = 0.0
+    vertical_speed, acceleration, turn_rate, turn = commanded_rates(state, action, params, envelope, energy)
+    _glide(
+        state, vertical_speed, acceleration, turn_rate, _roll_in(turn, lags), duration, lags, wind, None, track
+    )  # fmt: skip
+
+
+@kernel
+def _advance_in_pieces(state, action, params, envelope, energy, lags, wind, shear, track, textbook):  # type: ignore[no-untyped-def]
+    """Move any record over a control interval, gusts apart."""
+    if not _renewing(envelope, energy, shear):
+        _hold(state, action, params, params.dt, envelope, energy, lags, wind, shear, track, textbook)
+        return
+    total, to_tick = params.dt + state.owed, state.time_to_refresh
+    first, ticks = (to_tick if to_tick > 0.0 else params.refresh), 0
+    left = total
+    while left > MEET:
+        # renewed when flown on, so that what a gust does at the end of an interval counts
+        if state.time_to_refresh <= 0.0:
+            renew_limits(state, params, envelope, energy)
+        piece = piece_of(left, state.time_to_refresh)
+        state.time_to_refresh, ticked = to_next_tick(state.time_to_refresh, piece, 0.0)
+        _hold(state, action, params, piece, envelope, energy, lags, wind, shear, track, textbook)
+        left -= piece
+        if ticked:
+            ticks += 1
+            left = left_after(total, first, ticks, params.refresh)
+    state.owed = left
 
 
 @kernel
@@ -250,24 +307,10 @@ def advance(state, action, params, envelope, energy, lags, atmosphere, wind, she
     `action`: vertical speed, acceleration and turn rate as fractions of their limits, each in [-1, 1].
     """
     altitude, speed, heading = state.altitude, state.speed, state.heading
-    if not _renewing(envelope, energy, shear):
-        _hold(state, action, params, params.dt, envelope, energy, lags, wind, shear, track, textbook)
+    if even(state, params, envelope, energy, shear, textbook):
+        advance_evenly(state, action, params, envelope, energy, lags, wind, track)
     else:
-        total, to_tick = params.dt + state.owed, state.time_to_refresh
-        first, ticks = (to_tick if to_tick > 0.0 else params.refresh), 0
-        left = total
-        while left > MEET:
-            # renewed when flown on, so that what a gust does at the end of an interval counts
-            if state.time_to_refresh <= 0.0:
-                renew_limits(state, params, envelope, energy)
-            piece = piece_of(left, state.time_to_refresh)
-            state.time_to_refresh, ticked = to_next_tick(state.time_to_refresh, piece, 0.0)
-            _hold(state, action, params, piece, envelope, energy, lags, wind, shear, track, textbook)
-            left -= piece
-            if ticked:
-                ticks += 1
-                left = left_after(total, first, ticks, params.refresh)
-        state.owed = left
+        _advance_in_pieces(state, action, params, envelope, energy, lags, wind, shear, track, textbook)
     if turbulence is not None:
         blow(state, altitude, speed, heading, params.dt, turbulence, track)
 
@@ -282,5 +325,6 @@ def left_envelope(state, params, atmosphere):  # type: ignore[no-untyped-def]
     measured = airspeed(state.altitude, state.speed, atmosphere)
     fast = measured >= params.top_speed
     if atmosphere is not None:
-        fast = fast or state.speed >= atmosphere.top_mach * sound_speed(state.altitude)
-    return fast or measured < params.stall_speed or not 0.0 < state.altitude < params.ceiling
+        fast = fast | (state.speed >= atmosphere.top_mach * sound_speed(state.altitude))
+    aloft = (state.altitude > 0.0) & (state.altitude < params.ceiling)
+    return fast | (measured < params.stall_speed) | negate(aloft)

@@ -103,7 +103,16 @@ class Track:
 class Textbook:
     """Option, and the engine of that name: the lecture's recurrence at a fixed step instead of the exact motion."""
 
-    OPTIONS: ClassVar[tuple[str, ...]] = ("envelope", "energy", "track", "demands", "plan", "sensing", "textbook")
+    OPTIONS: ClassVar[tuple[str, ...]] = (
+        "envelope",
+        "energy",
+        "track",
+        "demands",
+        "plan",
+        "sensing",
+        "metrics",
+        "textbook",
+    )
 
     step: float = quantity(
         1.0, "s", "time step at most; an interval is a whole number of equal steps", low=1e-4, high=10.0

@@ -11,21 +11,39 @@ import math
 
 import numpy as np
 
+from vr_envs.models.elementary import cos_sin
 from vr_envs.models.jit import kernel
 from vr_envs.models.lag import clamped_lag, ramp_time
+from vr_envs.models.lanes import any_lane, where
 
 _POINTS, _WEIGHTS = (tuple(float(v) for v in half) for half in np.polynomial.legendre.leggauss(10))
 
 
+def _bessel_series(order: int, terms: int) -> tuple[float, ...]:
+    """Coefficients of j0 (order 0) or j1(q) / q (order 1) in q^2, the highest first."""
+    row = [1.0 / (2 * order + 1)]
+    for k in range(1, terms):
+        row.append(-row[-1] / (2 * k * (2 * k + 2 * order + 1)))
+    return tuple(reversed(row))
+
+
+_J0, _J1 = _bessel_series(0, 8), _bessel_series(1, 8)
+
+
 @kernel
-def spherical_bessel(q: float) -> tuple[float, float]:
+def spherical_bessel(q):  # type: ignore[no-untyped-def]
     """Spherical Bessel functions j0(q) = sin q / q and j1(q) = (sin q - q cos q) / q^2."""
     s = q * q
-    if s < 0.25:
-        j0 = 1 - s / 6 * (1 - s / 20 * (1 - s / 42 * (1 - s / 72 * (1 - s / 110 * (1 - s / 156)))))
-        j1 = q / 3 * (1 - s / 10 * (1 - s / 28 * (1 - s / 54 * (1 - s / 88 * (1 - s / 130 * (1 - s / 180))))))
-        return j0, j1
-    return math.sin(q) / q, (math.sin(q) - q * math.cos(q)) / s
+    j0, j1 = 0.0 * s, 0.0 * s
+    for a, b in zip(_J0, _J1):  # noqa: B905 (numba knows no strict)
+        j0, j1 = j0 * s + a, j1 * s + b
+    j1 *= q
+    large = s >= 0.25
+    if any_lane(large):
+        cosine, sine = cos_sin(q)
+        j0 = where(large, sine / q, j0)
+        j1 = where(large, (sine - q * cosine) / s, j1)
+    return j0, j1
 
 
 @kernel
@@ -40,7 +58,7 @@ def uniform_turn(state, duration):  # type: ignore[no-untyped-def]
     j0, j1 = spherical_bessel(q)
     chord = duration * (state.speed - state.gust_along + state.acceleration * half) * j0
     skew = duration * state.acceleration * half * j1
-    sine, cosine = math.sin(state.heading + q), math.cos(state.heading + q)
+    cosine, sine = cos_sin(state.heading + q)
     state.x += chord * sine + skew * cosine
     state.z += chord * cosine - skew * sine
 
@@ -63,6 +81,7 @@ def turn_with_lags(state, acceleration, turn_rate, turn_slew, duration, lags):  
                 time = begin + half * (2 * panel + 1 + point)
                 _, gain = clamped_lag(state.acceleration, acceleration, lags.along, lags.jerk, time)
                 _, turned = clamped_lag(state.turn_rate, turn_rate, lags.turn, turn_slew, time)
-                state.x += weight * half * (ground_speed + gain) * math.sin(state.heading + turned)
-                state.z += weight * half * (ground_speed + gain) * math.cos(state.heading + turned)
+                cosine, sine = cos_sin(state.heading + turned)
+                state.x += weight * half * (ground_speed + gain) * sine
+                state.z += weight * half * (ground_speed + gain) * cosine
         begin = end

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 
+from vr_envs.models.elementary import exp
 from vr_envs.models.jit import kernel
 
 
@@ -32,6 +33,6 @@ def clamped_lag(rate: float, command: float, time_constant: float, slew: float, 
     ramp = min(duration, ramp_time(rate, command, time_constant, slew))
     change = math.copysign(slew * ramp, gap)
     gap -= change  # distance to the command when the ramp is over
-    closed = gap - gap * math.exp((ramp - duration) / time_constant)
+    closed = gap - gap * exp((ramp - duration) / time_constant)
     integral = command * duration - ramp * (gap + 0.5 * change) - time_constant * closed
     return rate + change + closed, integral

@@ -32,23 +32,28 @@ class MeterState:
 
 
 @kernel
-def sample(state, gamma, params, tyre):
+def sample(state, gamma, params, tyre, metrics):
     """Measure at the end of a tick: `state.acceleration` and `state.travel_rate` are the means over it.
 
-    The actuator's force is the one commanded, or that of a damper of `gamma` [1/s]: its mean over the tick, or, where
-    it acts on the mass's own velocity, what it is at the end.
+    Without `metrics` that is the weighted acceleration alone. The actuator's force is the one commanded, or that of a
+    damper of `gamma` [1/s]: its mean over the tick, or, where it acts on the mass's own velocity, what it is at the
+    end.
     """
+    acceleration, travel = state.acceleration, state.travel
+    weighted = weight(state.weighting, acceleration)
+    state.weighted = weighted
+    if metrics is None:
+        return
     state.ticks += 1
-    state.weighted = weight(state.weighting, state.acceleration)
-    square = state.weighted * state.weighted
+    square = weighted * weighted
     state.weighted_squares += square
     state.weighted_fourths += square * square
-    jump = state.acceleration - state.measured
+    jump = acceleration - state.measured
     state.jump_squares += jump * jump
-    state.measured = state.acceleration
-    state.acceleration_squares += state.acceleration * state.acceleration
-    state.travel_squares += state.travel * state.travel
-    state.travel_peak = max(state.travel_peak, abs(state.travel))
+    state.measured = acceleration
+    state.acceleration_squares += acceleration * acceleration
+    state.travel_squares += travel * travel
+    state.travel_peak = max(state.travel_peak, abs(travel))
     if params.active > 0.0:
         force = params.force * state.held[0]
     else:

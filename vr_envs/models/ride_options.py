@@ -78,7 +78,8 @@ class Textbook:
     """
 
     OPTIONS: ClassVar[tuple[str, ...]] = (
-        "undulation", "road", "profile", "bumps", "obstacle", "payload", "lag", "preview", "noise", "textbook",
+        "undulation", "road", "profile", "bumps", "obstacle", "payload", "lag", "preview", "noise", "metrics",
+        "textbook",
     )  # fmt: skip
 
     step: float = quantity(

@@ -40,7 +40,7 @@ def roll(state, distance, undulation, road, profile, bumps, obstacle, wheel):
         while left >= state.to_knot:
             rise += slope_of_road(state, road) * state.to_knot
             left -= state.to_knot
-            pass_knot(state, road, profile, bumps, obstacle, wheel)
+            pass_knot(state, True, road, profile, bumps, obstacle, wheel)
         rise += slope_of_road(state, road) * left
         state.to_knot -= left
     return rise

@@ -21,6 +21,8 @@ import dataclasses
 import math
 
 from vr_envs.models.jit import kernel
+from vr_envs.models.lane_records import lane, lane_count
+from vr_envs.models.lanes import any_lane, to_float, to_int, where
 from vr_envs.models.noise import normal_pair, uniform
 from vr_envs.models.record import quantity
 from vr_envs.models.road_features import bump_height, obstacle_height, profile_height
@@ -58,28 +60,36 @@ def roughness_deviation(density, cutoff):
 
 
 @kernel
-def _put_knot(state, k, normal, road, profile, bumps, obstacle, wheel):
-    """Draw knot k of the profile from a standard normal number."""
-    state.roughness = road.memory * state.roughness + road.innovation * state.roughness_sd * normal
-    height = state.roughness
+def _put_knot(state, due, k, normal, road, profile, bumps, obstacle, wheel):
+    """Draw knot k of the profile from a standard normal number, in the records that `due` holds for."""
+    before = state.roughness
+    height = road.memory * before + road.innovation * state.roughness_sd * normal
+    state.roughness = where(due, height, before)
+    distance = to_float(k) * road.knot_spacing
     if profile is not None:
-        height += profile_height(k * road.knot_spacing, profile)
+        height += profile_height(distance, profile)
     if bumps is not None:
-        height += bump_height(state.key, k * road.knot_spacing, bumps)
+        height += bump_height(state.key, distance, bumps)
     if obstacle is not None:
-        height += obstacle_height(k * road.knot_spacing, obstacle)
-    if wheel is None:
-        state.knots[k & (RING - 1)] = height
-    else:
-        state.raw[k & (RAW - 1)] = height
+        height += obstacle_height(distance, obstacle)
+    for i in range(lane_count(state)):
+        if lane(due, i):
+            record, number = lane(state, i), lane(k, i)
+            if wheel is None:
+                record.knots[number & (RING - 1)] = lane(height, i)
+            else:
+                record.raw[number & (RAW - 1)] = lane(height, i)
 
 
 @kernel
-def _draw_pair(state, pair, road, profile, bumps, obstacle, wheel):
-    """Draw the knots 2 pair and 2 pair + 1 of the profile; a wheel of finite radius follows as far as it can."""
+def _draw_pair(state, due, pair, road, profile, bumps, obstacle, wheel):
+    """Draw the knots 2 pair and 2 pair + 1 of the profile, in the records that `due` holds for.
+
+    A wheel of finite radius, which is for plain records alone, follows as far as it can.
+    """
     first, second = normal_pair(state.key, pair)
-    _put_knot(state, 2 * pair, first, road, profile, bumps, obstacle, wheel)
-    _put_knot(state, 2 * pair + 1, second, road, profile, bumps, obstacle, wheel)
+    _put_knot(state, due, 2 * pair, first, road, profile, bumps, obstacle, wheel)
+    _put_knot(state, due, 2 * pair + 1, second, road, profile, bumps, obstacle, wheel)
     if wheel is not None:
         reach = wheel_reach(road, wheel)
         if 2 * pair >= reach:
@@ -95,7 +105,7 @@ def start_road(state, road, profile, bumps, obstacle, wheel):
     state.roughness = state.roughness_sd * normal_pair(state.key, _START // 2)[0]
     state.knot = 0
     state.to_knot = road.knot_spacing
-    _draw_pair(state, 0, road, profile, bumps, obstacle, wheel)
+    _draw_pair(state, True, 0, road, profile, bumps, obstacle, wheel)
     ahead = RING
     if wheel is not None:
         reach = wheel_reach(road, wheel)
@@ -103,26 +113,29 @@ def start_road(state, road, profile, bumps, obstacle, wheel):
             state.raw[k] = state.raw[0]
         ahead += reach
     for pair in range(1, ahead // 2):
-        _draw_pair(state, pair, road, profile, bumps, obstacle, wheel)
+        _draw_pair(state, True, pair, road, profile, bumps, obstacle, wheel)
 
 
 @kernel
 def slope_of_road(state, road):
     """Slope (height over distance) of the segment on which the wheel is."""
     k = state.knot
-    return (state.knots[(k + 1) & (RING - 1)] - state.knots[k & (RING - 1)]) / road.knot_spacing
+    rise = state.knots[(k + 1) & (RING - 1)] - state.knots[k & (RING - 1)]
+    return rise * (1.0 / road.knot_spacing)
 
 
 @kernel
-def pass_knot(state, road, profile, bumps, obstacle, wheel):
-    """The wheel has come to the next knot; at every second one the two slots behind it get new knots."""
-    state.knot += 1
-    state.to_knot = road.knot_spacing
-    if state.knot & 1 == 0:
-        newest = state.knot + RING - 2
+def pass_knot(state, passes, road, profile, bumps, obstacle, wheel):
+    """Where `passes` holds the wheel has come to the next knot; every second time the slots behind it get new knots."""
+    knot = state.knot + to_int(passes)
+    state.knot = knot
+    state.to_knot = where(passes, road.knot_spacing, state.to_knot)
+    due = passes & ((knot & 1) == 0)
+    if any_lane(due):
+        newest = knot + (RING - 2)
         if wheel is not None:
             newest += wheel_reach(road, wheel)
-        _draw_pair(state, newest // 2, road, profile, bumps, obstacle, wheel)
+        _draw_pair(state, due, newest >> 1, road, profile, bumps, obstacle, wheel)
 
 
 @kernel
@@ -134,10 +147,10 @@ def place_on_road(state, road):
 @kernel
 def road_height(state, place):
     """Height of the road `place` >= 0 knot spacings from the knot behind the wheel, at most RING - 3."""
-    whole = int(place)
+    whole = to_int(place)
     k = state.knot + whole
     left, right = state.knots[k & (RING - 1)], state.knots[(k + 1) & (RING - 1)]
-    return left + (right - left) * (place - whole)
+    return left + (right - left) * (place - to_float(whole))
 
 
 @kernel
@@ -146,5 +159,5 @@ def draw_road(state, heights, road, profile, bumps, obstacle, wheel):
     start_road(state, road, profile, bumps, obstacle, wheel)
     heights[0] = state.knots[0]
     for k in range(1, heights.shape[0]):
-        pass_knot(state, road, profile, bumps, obstacle, wheel)
+        pass_knot(state, True, road, profile, bumps, obstacle, wheel)
         heights[k] = state.knots[k & (RING - 1)]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from vr_envs.models.jit import kernel
+from vr_envs.models.lanes import any_lane, floor, to_int, where
 from vr_envs.models.noise import uniform
 from vr_envs.models.road_options import KERB, POTHOLE, RAMP, SAME_PLACE, WASHBOARD
 
@@ -26,17 +27,18 @@ def profile_height(distance, profile):
 @kernel
 def bump_height(key, distance, bumps):
     """Height of the bump or dip."""
-    place = math.floor(distance / bumps.stretch)
-    counter = _BUMP + 3 * int(place)
+    place = floor(distance / bumps.stretch)
+    counter = _BUMP + 3 * to_int(place)
     # the whole bump lies within its stretch
     free = bumps.stretch - 2.0 * bumps.longest
     away = abs(distance - place * bumps.stretch - bumps.longest - free * uniform(key, counter))
-    if away >= bumps.longest:
-        return 0.0
-    half = bumps.shortest + (bumps.longest - bumps.shortest) * uniform(key, counter + 1)
-    side = 2.0 * uniform(key, counter + 2) - 1.0
-    height = bumps.low + (bumps.high - bumps.low) * abs(side)
-    return math.copysign(height, side) * max(0.0, 1.0 - away / half)
+    near, found = away < bumps.longest, 0.0 * away
+    if any_lane(near):
+        half = bumps.shortest + (bumps.longest - bumps.shortest) * uniform(key, counter + 1)
+        side = 2.0 * uniform(key, counter + 2) - 1.0
+        height = bumps.low + (bumps.high - bumps.low) * abs(side)
+        found = where(near, math.copysign(height, side) * max(0.0, 1.0 - away / half), found)
+    return found
 
 
 @kernel

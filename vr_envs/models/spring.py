@@ -13,7 +13,9 @@ from __future__ import annotations
 
 import math
 
+from vr_envs.models.elementary import cos_sin, exp
 from vr_envs.models.jit import kernel
+from vr_envs.models.lanes import any_lane, where
 
 # Within this |q| six terms of the series leave less than 2^-56, and no sine or exponential is needed.
 _SERIES = 0.0625
@@ -26,20 +28,21 @@ def damped_cosine_sine(gamma: float, w2: float, t: float) -> tuple[float, float]
     """(e^(-gamma t/2) C, e^(-gamma t/2) S) for t >= 0 [s], gamma >= 0 [1/s] and w2 >= 0 [1/s^2]; never overflows."""
     half = 0.5 * gamma * t
     q = w2 * t * t - half * half
-    if abs(q) < _SERIES:
-        decay = math.exp(-half)
-        cosine = 1.0 - q * (_C1 - q * (_C2 - q * (_C3 - q * (_C4 - q * (_C5 - q * _C6)))))
-        sine = 1.0 - q * (_S1 - q * (_S2 - q * (_S3 - q * (_S4 - q * (_S5 - q * _S6)))))
-        return decay * cosine, decay * sine
-    if q > 0.0:
-        z = math.sqrt(q)
-        decay = math.exp(-half)
-        return decay * math.cos(z), decay * math.sin(z) / z
-    z = math.sqrt(-q)
-    # z - half without cancellation: the slow decay of a strongly damped spring
-    slow = math.exp(-w2 * t * t / (z + half))
-    fast = math.exp(-2.0 * z)
-    return 0.5 * slow * (1.0 + fast), -0.5 * slow * math.expm1(-2.0 * z) / z
+    decay = exp(-half)
+    cosine = decay * (1.0 - q * (_C1 - q * (_C2 - q * (_C3 - q * (_C4 - q * (_C5 - q * _C6))))))
+    sine = decay * (1.0 - q * (_S1 - q * (_S2 - q * (_S3 - q * (_S4 - q * (_S5 - q * _S6))))))
+    swinging = q >= _SERIES
+    if any_lane(swinging):
+        z = math.sqrt(abs(q))
+        c, s = cos_sin(z)
+        cosine, sine = where(swinging, decay * c, cosine), where(swinging, decay * s / z, sine)
+    creeping = q <= -_SERIES
+    if any_lane(creeping):
+        z = math.sqrt(abs(q))
+        # z - half without cancellation: the slow decay of a strongly damped spring
+        slow, fast = 0.5 * exp(-w2 * t * t / (z + half)), exp(-2.0 * z)
+        cosine, sine = where(creeping, slow * (1.0 + fast), cosine), where(creeping, slow * (1.0 - fast) / z, sine)
+    return cosine, sine
 
 
 @kernel

@@ -11,10 +11,13 @@ import math
 
 from vr_envs.models.jit import kernel
 from vr_envs.models.noise import uniform
+from vr_envs.models.phasor import cos_sin
 from vr_envs.models.record import quantity
 
 WAVES = 3
 _GOLDEN = 0.5 * (1.0 + math.sqrt(5.0))
+_SHORTER = tuple(_GOLDEN**i for i in range(WAVES))
+_LOWER = tuple(_GOLDEN**-i for i in range(WAVES))
 
 _PHASE = 1 << 41  # first counter of the phases' draws
 
@@ -39,8 +42,7 @@ def start_undulation(state):
 @kernel
 def wave(i, undulation):
     """Amplitude [m] and wave number [rad/m] of sine i."""
-    ratio = _GOLDEN**i
-    return undulation.amplitude / ratio, 2.0 * math.pi * ratio / undulation.wavelength
+    return undulation.amplitude * _LOWER[i], 2.0 * math.pi / undulation.wavelength * _SHORTER[i]
 
 
 @kernel
@@ -49,8 +51,8 @@ def undulation_ahead(state, distance, undulation):
     height = 0.0
     for i in range(WAVES):
         amplitude, number = wave(i, undulation)
-        angle = number * distance
-        height += amplitude * (state.wave_sin[i] * math.cos(angle) + state.wave_cos[i] * math.sin(angle))
+        cosine, sine = cos_sin(number * distance)
+        height += amplitude * (state.wave_sin[i] * cosine + state.wave_cos[i] * sine)
     return height
 
 
@@ -59,7 +61,6 @@ def roll_undulation(state, distance, undulation):
     """Move the wheel ahead by `distance` on the sines."""
     for i in range(WAVES):
         _, number = wave(i, undulation)
-        cosine, sine = math.cos(number * distance), math.sin(number * distance)
-        before = state.wave_cos[i]
-        state.wave_cos[i] = before * cosine - state.wave_sin[i] * sine
-        state.wave_sin[i] = state.wave_sin[i] * cosine + before * sine
+        cosine, sine = cos_sin(number * distance)
+        c, s = state.wave_cos[i], state.wave_sin[i]
+        state.wave_cos[i], state.wave_sin[i] = c * cosine - s * sine, s * cosine + c * sine

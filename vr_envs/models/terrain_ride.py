@@ -17,8 +17,10 @@ import math
 
 from vr_envs.models.clock import MEET, left_after, piece_of, to_next_tick
 from vr_envs.models.cruise import acceleration_to, commanded_speed, time_to_cover
-from vr_envs.models.follower import enter_sines, follow, leave_sines
+from vr_envs.models.elementary import exp
+from vr_envs.models.follower import follow, over_sines, steady_answers
 from vr_envs.models.jit import kernel
+from vr_envs.models.lanes import any_lane, where
 from vr_envs.models.quarter_car import drive, settle
 from vr_envs.models.record import quantity
 from vr_envs.models.ride_meter import MeterState, sample
@@ -137,12 +139,15 @@ def actuate(state, action, lag, cruise):
     if cruise is not None:
         width -= 1
     for i in range(width):
-        share, missing = 1.0, 0.0
-        if lag is not None:
-            share, missing = lag.share, lag.missing
-        gap = action[i] - state.position[i]
-        state.held[i] = action[i] - missing * gap
-        state.position[i] += share * gap
+        command = action[i]
+        if lag is None:
+            state.held[i] = command
+            state.position[i] = command
+        else:
+            position = state.position[i]
+            gap = command - position
+            state.held[i] = command - lag.missing * gap
+            state.position[i] = position + lag.share * gap
 
 
 @kernel
@@ -150,8 +155,8 @@ def suspension(state, params):
     """Damping gamma [1/s], w2 [1/s^2] and force over sprung mass [m/s^2] that the positions held give."""
     if params.active > 0.0:
         return params.passive_damping, params.w2, params.push * state.held[0]
-    gamma = math.exp(params.damping_centre + params.damping_half * state.held[0])
-    modulus = math.exp(params.modulus_centre + params.modulus_half * state.held[1])
+    gamma = exp(params.damping_centre + params.damping_half * state.held[0])
+    modulus = exp(params.modulus_centre + params.modulus_half * state.held[1])
     return gamma, params.w2 * modulus, 0.0
 
 
@@ -175,11 +180,14 @@ def ride(
     and a change of speed excludes sines and absolute damping.
     """
     if tyre is None:
-        if undulation is not None:
-            enter_sines(state, gamma, w2, params, undulation)
+        if undulation is not None:  # travel and velocity are from here on those beside the steady ride
+            answers = steady_answers(gamma, w2, params, undulation)
+            travel, velocity = over_sines(state, answers)
+            state.travel -= travel
+            state.velocity -= velocity
     left, speed, acceleration = t, params.speed, 0.0
-    while left > 0.0:
-        piece, slope, passes, arrives = left, 0.0, False, False
+    while any_lane(left > 0.0):
+        moves, piece, slope, passes, arrives = left > 0.0, left, 0.0, False, False
         if cruise is not None:
             speed = state.speed
             acceleration, time = acceleration_to(speed, target, cruise)
@@ -189,28 +197,34 @@ def ride(
             slope, time = slope_of_road(state, road), state.to_knot / speed
             if cruise is not None:
                 time = time_to_cover(state.to_knot, speed, acceleration)
-            if time <= piece:
-                piece, passes, arrives = time, True, arrives and time == piece
+            passes = moves & (time <= piece)
+            if cruise is not None:
+                arrives = arrives and (not passes or time == piece)
+            piece = where(passes, time, piece)
         way = speed * piece
         if cruise is not None:
             way += 0.5 * acceleration * piece * piece
             state.speed = target if arrives else speed + acceleration * piece
         if tyre is None:
-            follow(state, piece, gamma, w2, force + state.payload, slope, speed, acceleration, params, stop, cruise)
+            follow(
+                state, moves, piece, gamma, w2, force + state.payload,
+                slope, speed, acceleration, params, stop, cruise,
+            )  # fmt: skip
             if undulation is not None:
                 roll_undulation(state, way, undulation)
         else:
             drive(state, piece, gamma, w2, force, slope, speed, acceleration, params, undulation, tyre, stop)
         if road is not None:
-            if passes:
-                pass_knot(state, road, profile, bumps, obstacle, wheel)
-            else:
-                state.to_knot = max(0.0, state.to_knot - way)
+            state.to_knot = max(0.0, state.to_knot - way)
+            if any_lane(passes):
+                pass_knot(state, passes, road, profile, bumps, obstacle, wheel)
         state.distance += way
         left -= piece
     if tyre is None:
         if undulation is not None:
-            leave_sines(state, gamma, w2, params, undulation)
+            travel, velocity = over_sines(state, answers)
+            state.travel += travel
+            state.velocity += velocity
 
 
 @kernel
@@ -223,21 +237,63 @@ def begin_tick(state, action, lag, cruise):
 
 
 @kernel
-def end_tick(state, gamma, params, tyre):
+def _take_means(state, travel, velocity, gamma, params, tyre, metrics):
+    """The means over a tick that has ended, from travel and velocity at its begin, and the measurements."""
+    state.travel_rate = (state.travel - travel) * (1.0 / TICK)
+    state.acceleration = (state.velocity - velocity) * (1.0 / TICK)
+    sample(state, gamma, params, tyre, metrics)
+
+
+@kernel
+def end_tick(state, gamma, params, tyre, metrics):
     """The means over the tick that has ended, and the measurements; `gamma` [1/s] was the damping at its end."""
-    state.travel_rate = (state.travel - state.tick_travel) / TICK
-    state.acceleration = (state.velocity - state.tick_velocity) / TICK
-    sample(state, gamma, params, tyre)
+    _take_means(state, state.tick_travel, state.tick_velocity, gamma, params, tyre, metrics)
+
+
+@kernel
+def even(state, params):
+    """Whether the next control interval is one whole tick."""
+    return (state.time_to_tick == 0.0) & (abs(params.dt + state.owed - TICK) <= MEET)
+
+
+@kernel
+def advance_evenly(state, action, params, undulation, road, profile, bumps, obstacle, wheel, stop, lag, metrics):
+    """`advance` of a record for which `even` holds, on lanes too."""
+    state.touches = 0
+    actuate(state, action, lag, None)
+    travel, velocity = state.travel, state.velocity
+    gamma, w2, force = suspension(state, params)
+    ride(
+        state, TICK, gamma, w2, force, params.speed, params,
+        undulation, road, profile, bumps, obstacle, wheel, None, stop, None,
+    )  # fmt: skip
+    _take_means(state, travel, velocity, gamma, params, None, metrics)
+    state.owed = left_after(params.dt + state.owed, TICK, 1, TICK)
 
 
 @kernel
 def advance(
-    state, action, params, undulation, road, profile, bumps, obstacle, wheel, tyre, stop, lag, cruise, textbook
+    state, action, params, undulation, road, profile, bumps, obstacle, wheel, tyre, stop, lag, cruise, textbook, metrics
 ):
     """Move by one control interval; `action` in [-1, 1]: damping and modulus (logarithmic), or the force; the speed.
 
     Actuators that lag move at the ticks, others at once; the speed is an action with `cruise`.
     """
+    if tyre is None and cruise is None and textbook is None:
+        if even(state, params):
+            advance_evenly(state, action, params, undulation, road, profile, bumps, obstacle, wheel, stop, lag, metrics)
+            return
+    _advance_in_pieces(
+        state, action, params,
+        undulation, road, profile, bumps, obstacle, wheel, tyre, stop, lag, cruise, textbook, metrics,
+    )  # fmt: skip
+
+
+@kernel
+def _advance_in_pieces(
+    state, action, params, undulation, road, profile, bumps, obstacle, wheel, tyre, stop, lag, cruise, textbook, metrics
+):
+    """`advance` from tick to tick, whatever the interval is."""
     state.touches = 0
     if lag is None:
         actuate(state, action, lag, cruise)
@@ -270,7 +326,7 @@ def advance(
         left -= piece
         to_tick, ticked = to_next_tick(to_tick, piece, 0.0)
         if ticked:
-            end_tick(state, gamma, params, tyre)
+            end_tick(state, gamma, params, tyre, metrics)
             ticks += 1
             left = left_after(total, first, ticks, TICK)
     state.time_to_tick, state.owed = to_tick, left

@@ -53,6 +53,19 @@ def _move(u, rate, side, gamma, w2, push, w2_stop, travel, t):
 
 
 @kernel
+def _reach(u, rate, stiff, centre, t):
+    """A bound on the square of the way [m^2] in the time t: the energy about the equilibrium falls."""
+    return (rate * rate + stiff * (u - centre) * (u - centre)) * t * t
+
+
+@kernel
+def stays_free(u, rate, side, w2, centre, travel, t):
+    """Whether it is certain that the mass, in free motion about `centre`, touches no stop within the time t."""
+    gap = travel - abs(u)
+    return (side == 0.0) & (gap > 0.0) & (_reach(u, rate, w2, centre, t) < gap * gap)
+
+
+@kernel
 def time_to_contact(u, rate, side, gamma, w2, push, w2_stop, travel, t):
     """Time [s] until the mass touches a stop (side = 0) or leaves the stop `side` (+1, -1); `t` if not before t.
 
@@ -65,11 +78,9 @@ def time_to_contact(u, rate, side, gamma, w2, push, w2_stop, travel, t):
         # at rest on the boundary the acceleration, which is the same on both sides, decides
         outwards = math.copysign(1.0, u) * stiff * (centre - u)
         return 0.0 if (outwards > 0.0 if side == 0.0 else outwards < 0.0) else t
-    # the energy about the equilibrium falls, so it bounds speed and acceleration for all later times
-    top_speed_2 = rate * rate + stiff * (u - centre) * (u - centre)
-    if gap > 0.0 and top_speed_2 * t * t < gap * gap:
+    if gap > 0.0 and _reach(u, rate, stiff, centre, t) < gap * gap:
         return t
-    curvature = (gamma + math.sqrt(stiff)) * math.sqrt(top_speed_2)
+    curvature = (gamma + math.sqrt(stiff)) * math.sqrt(_reach(u, rate, stiff, centre, 1.0))
     elapsed, now, now_rate = 0.0, u, rate
     for _ in range(MAX_MARCH):
         if side == 0.0:

@@ -21,7 +21,9 @@ from __future__ import annotations
 import math
 from fractions import Fraction
 
+from vr_envs.models.elementary import cos_sin, exp, power
 from vr_envs.models.jit import kernel
+from vr_envs.models.lanes import any_lane, floor, where
 from vr_envs.models.noise import normal_pair
 
 FOOT = 0.3048  # m
@@ -55,7 +57,8 @@ _SERIES = _series(16)
 def _power_series(q: float) -> tuple[float, float, float]:
     """k3 / q^2, G22 / q^3 and G33 / q^5 for small q; even and odd orders apart, for the processor's pipelines."""
     square = q * q
-    even_3, odd_3, even_22, odd_22, even_33, odd_33 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    zero = 0.0 * q
+    even_3, odd_3, even_22, odd_22, even_33, odd_33 = zero, zero, zero, zero, zero, zero
     for a, b, c, d, e, f in _SERIES:
         even_3, odd_3 = even_3 * square + a, odd_3 * square + b
         even_22, odd_22 = even_22 * square + c, odd_22 * square + d
@@ -66,17 +69,20 @@ def _power_series(q: float) -> tuple[float, float, float]:
 @kernel
 def scales(altitude, turbulence):  # type: ignore[no-untyped-def]
     """Scale lengths [m] along (and across) and vertical, and the standard deviations [m/s], at an altitude [m]."""
-    if altitude >= HIGH:
-        return SCALE_LENGTH, SCALE_LENGTH, turbulence.sigma, turbulence.sigma
+    # from LOW to HIGH in proportion; above, share is 1
     low = 0.1 * turbulence.wind_20ft
-    if altitude >= LOW:
-        share = (altitude - LOW) / (HIGH - LOW)
-        length = LOW + share * (SCALE_LENGTH - LOW)
-        sigma = low + share * (turbulence.sigma - low)
-        return length, length, sigma, sigma
-    height = max(altitude, LOWEST)
-    root = (0.177 + 0.000823 / FOOT * height) ** 0.4
-    return height / (root * root * root), height, low / root, low
+    share = (min(altitude, HIGH) - LOW) / (HIGH - LOW)
+    along = LOW + share * (SCALE_LENGTH - LOW)
+    sigma_along = low + share * (turbulence.sigma - low)
+    vertical, sigma_vertical = along, sigma_along
+    lowest = altitude < LOW
+    if any_lane(lowest):
+        height = max(altitude, LOWEST)
+        root = power(0.177 + 0.000823 / FOOT * height, 0.4)
+        along, vertical = where(lowest, height / (root * root * root), along), where(lowest, height, vertical)
+        sigma_along = where(lowest, low / root, sigma_along)
+        sigma_vertical = where(lowest, low, sigma_vertical)
+    return along, vertical, sigma_along, sigma_vertical
 
 
 @kernel
@@ -87,18 +93,18 @@ def interval_law(q):  # type: ignore[no-untyped-def]
         exp(-q), (1 - exp(-q)) / q and k3 / q^2, and the Cholesky factor l11, l21, l22, l31, l32, l33 of the
         covariance of the noise in p1, p2 and the integral of p2, divided by sqrt(q), q sqrt(q) and q^2 sqrt(q).
     """
-    decay = math.exp(-q)
+    decay = exp(-q)
     square = decay * decay
-    if q < _SMALL:
-        k3, g22, g33 = _power_series(q)
-        g13 = decay * k3 + 0.5 * q * k3 * k3 - g22
-    else:
+    k3, g22, g33 = _power_series(q)
+    large = q >= _SMALL
+    if any_lane(large):
         per = 1.0 / q
-        k3 = (1.0 - (1.0 + q) * decay) * per * per
-        g22 = 0.25 * (1.0 - (1.0 + 2.0 * q * (1.0 + q)) * square) * per * per * per
-        g13 = decay * k3 + 0.5 * q * k3 * k3 - g22
+        k3 = where(large, (1.0 - (1.0 + q) * decay) * per * per, k3)
+        g22 = where(large, 0.25 * (1.0 - (1.0 + 2.0 * q * (1.0 + q)) * square) * per * per * per, g22)
         integral = (q - 2.0 + (2.0 + q) * decay) * per * per * per  # of k3, over q^3
-        g33 = (integral - g13 - 0.5 * q * k3 * k3) * per * per
+        rest = integral - (decay * k3 + 0.5 * q * k3 * k3 - g22) - 0.5 * q * k3 * k3
+        g33 = where(large, rest * per * per, g33)
+    g13 = decay * k3 + 0.5 * q * k3 * k3 - g22
     g23 = 0.5 * k3 * k3
     g12 = q * g22 + 0.5 * square
     g11 = 2.0 * q * g12 + square
@@ -157,9 +163,9 @@ def blow(state, altitude, speed, heading, duration, turbulence, track):  # type:
         state.updraught, state.updraught_lag, q_vertical, law, noise_1, noise_2, noise_3
     )
     state.altitude += sigma_vertical * duration * mean
-    if q_along != q_vertical:  # at low altitude
+    if any_lane(q_along != q_vertical):  # at low altitude
         law = interval_law(q_along)
-    decay, _, _, l11 = law[:4]
+    decay, l11 = law[0], law[3]
     state.headwind = decay * state.headwind + math.sqrt(2.0 * q_along) * l11 * noise_along
     gust = sigma_along * state.headwind
     state.speed = max(0.0, state.speed + gust - state.gust_along)
@@ -171,6 +177,7 @@ def blow(state, altitude, speed, heading, duration, turbulence, track):  # type:
             state.crosswind, state.crosswind_lag, q_along, law, noise_1, noise_2, noise_3
         )
         turned = state.heading - heading
-        middle = heading + 0.5 * (turned - 2.0 * math.pi * math.floor(turned / (2.0 * math.pi) + 0.5))
-        state.x += sigma_along * duration * mean * math.cos(middle)
-        state.z -= sigma_along * duration * mean * math.sin(middle)
+        middle = heading + 0.5 * (turned - 2.0 * math.pi * floor(turned / (2.0 * math.pi) + 0.5))
+        cosine, sine = cos_sin(middle)
+        state.x += sigma_along * duration * mean * cosine
+        state.z -= sigma_along * duration * mean * sine

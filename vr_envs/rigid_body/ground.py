@@ -44,7 +44,7 @@ def path_ahead(state, distance, facet, undulation, road, profile, bumps, obstacl
         place, height = place + length, height + rise
         if road is None or place > distance:
             break
-        pass_knot(state, road, profile, bumps, obstacle, wheel)
+        pass_knot(state, True, road, profile, bumps, obstacle, wheel)
     if road is not None:
         state.to_knot = place - distance
     if undulation is not None:

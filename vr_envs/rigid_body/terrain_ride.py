@@ -70,7 +70,7 @@ class TerrainRideSimulator:
             state: record of the task's `State`.
             action: numbers in [-1, 1]: damping and modulus, or the force; then the speed, where it is an action.
         """
-        lag, cruise, tyre = (self.options[name] for name in ("lag", "cruise", "tyre"))
+        lag, cruise, tyre, metrics = (self.options[name] for name in ("lag", "cruise", "tyre", "metrics"))
         state["touches"] = 0
         if lag is None:
             actuate(state, action, lag, cruise)
@@ -87,7 +87,7 @@ class TerrainRideSimulator:
             left -= piece
             state["time_to_tick"], ticked = to_next_tick(state["time_to_tick"], piece, 0.0)
             if ticked:
-                end_tick(state, vehicle.gamma, self.params, tyre)
+                end_tick(state, vehicle.gamma, self.params, tyre, metrics)
                 ticks += 1
                 left = left_after(total, first, ticks, TICK)
         state["owed"] = left

@@ -1,1 +1,1 @@
-"""TODO-by-owner."""
+"""Throughput: steps per second of CPU time, in this package and written otherwise."""
