@@ -129,10 +129,10 @@ def account(
     sentences += _ratio_sentences(cases, measured, rows)
     for first, second in zip(trainings, trainings[1:], strict=False):
         if first["rows"] == second["rows"] and first["env_id"] == second["env_id"]:
-            ratio = first["environments"] / second["environments"]
+            share = 100.0 * second["environments"] / first["environments"]
             sentences.append(
-                f"{first['env_id']}: in training, {first['rows']} rows cost {ratio:.1f} times less in the native batch "
-                "than as scalar environments."
+                f"{first['env_id']}: in training, {first['rows']} environments take {share:.0f} % of the CPU time in a "
+                "native batch that they take one by one."
             )
     tables = [_speeds(cases, measured, rows), _singles(cases, measured)]
     tables += [_aims(goals)] if goals else []
