@@ -33,7 +33,8 @@ def _speeds(cases: Sequence[Case], measured: Measured, rows: Sequence[int]) -> T
         lines,
         (0, 1),
         f"Median (minimum to maximum). Actions drawn before the clock starts, fresh arrays, autoreset on. A "
-        f"{SYNC} is a loop: above {SYNC_ROWS} rows a step costs what it does there.",
+        f"{SYNC} is a loop: above {SYNC_ROWS} rows a step costs what it does there. {NUMPY.name} and JAX keep no "
+        "metrics, and take actions as they are; the others refuse what is not finite.",
     )
 
 
