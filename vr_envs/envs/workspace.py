@@ -60,6 +60,7 @@ class Workspace:
         self._acts = row_records(self.actions)
         self._live = np.ones(n, np.bool_)
         self._all_live = True
+        self.ended = False  # whether the last step ended an episode
         self._slots: list[_Slot] = []
         self._own: _Slot | None = None
 
@@ -104,14 +105,16 @@ class Workspace:
     def _move(self, slot: _Slot) -> None:
         if self.world.simulator is not None:
             self.world.simulate(self._acts, self._live)
-        bad = slot.step()
+        code = slot.step()
         if not self._all_live:
             self._live.fill(True)
             self._all_live = True
-        if bad >= 0:
+        if code < 0:
+            row = -1 - code
             raise ValueError(
-                f"action of env {bad} is {self.actions[bad]}; every entry must be finite. Nothing was stepped"
+                f"action of env {row} is {self.actions[row]}; every entry must be finite. Nothing was stepped"
             )
+        self.ended = code > 0
 
     def _slot(self) -> _Slot:
         """New arrays for results, and the step that writes them."""
