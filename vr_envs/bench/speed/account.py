@@ -33,7 +33,8 @@ def _speeds(cases: Sequence[Case], measured: Measured, rows: Sequence[int]) -> T
         lines,
         (0, 1),
         f"Median (minimum to maximum). Actions drawn before the clock starts, fresh arrays, autoreset on. A "
-        f"{SYNC} is a loop: above {SYNC_ROWS} rows a step costs what it does there.",
+        f"{SYNC} is a loop: above {SYNC_ROWS} rows a step costs what it does there. {NUMPY.name} and JAX keep no "
+        "metrics, and take actions as they are; the others refuse what is not finite.",
     )
 
 
@@ -129,10 +130,10 @@ def account(
     sentences += _ratio_sentences(cases, measured, rows)
     for first, second in zip(trainings, trainings[1:], strict=False):
         if first["rows"] == second["rows"] and first["env_id"] == second["env_id"]:
-            ratio = first["environments"] / second["environments"]
+            share = 100.0 * second["environments"] / first["environments"]
             sentences.append(
-                f"{first['env_id']}: in training, {first['rows']} rows cost {ratio:.1f} times less in the native batch "
-                "than as scalar environments."
+                f"{first['env_id']}: in training, {first['rows']} environments take {share:.0f} % of the CPU time in a "
+                "native batch that they take one by one."
             )
     tables = [_speeds(cases, measured, rows), _singles(cases, measured)]
     tables += [_aims(goals)] if goals else []

@@ -51,6 +51,7 @@ CASES = (
     Case("vr_envs/BallOnBar-v0", "bell", "full range", 1e6),
     Case("vr_envs/BallOnBar-v0", "bell", "small", 1e6),
     Case("vr_envs/Autopilot-v1", "lecture", "full range", 30e6, AutopilotArrays),
+    Case("vr_envs/Autopilot-v1", "lecture", "small", 30e6, AutopilotArrays),
     Case("vr_envs/Autopilot-v1", "airliner", "full range", 10e6),
     Case("vr_envs/TerrainRide-v0", "lecture", "full range", 30e6, RideArrays),
     Case("vr_envs/TerrainRide-v0", "road", "full range"),

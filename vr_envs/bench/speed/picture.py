@@ -33,6 +33,9 @@ def picture(cases: Sequence[Case], measured: Measured) -> Figure:
     used: set[str] = set()
     for ax, (env_id, own) in zip(axes, systems.items(), strict=True):
         ax.set(xscale="log", yscale="log", xlabel="rows", title=spec_of(env_id).name, facecolor=_rgb(PANEL))
+        rows = sorted({speed.rows for speed in measured.speeds})
+        ax.set_xticks(rows, [str(count) for count in rows])
+        ax.minorticks_off()
         ax.grid(True, which="major", color=_rgb(RULE), linewidth=0.8)
         ax.set_axisbelow(True)
         if (cartpole := measured.of(CARTPOLE, SCALAR, 1)) is not None:
