@@ -57,7 +57,8 @@ class World:
         simulated = self.simulator is not None
         lockstep = not simulated and in_lockstep(task, self.scene, n)
         self.rows = rows_of(task, simulated, lockstep)
-        self.storage: Storage = Blocks(dtype_of(task.state), n) if lockstep else Plain(dtype_of(task.state), n)
+        self._kept = Blocks if lockstep else Plain
+        self.storage: Storage = self._kept(dtype_of(task.state), n)
         self.count, self._blank = n, np.zeros(1, self.storage.dtype)
         self.observation_space = box(task.observation_channels(self.scene))
         self.action_space = box(task.action_channels(self.scene))
@@ -78,7 +79,7 @@ class World:
         timer.start()
         try:
             scratch = copy.copy(self)
-            scratch.storage, scratch.count, scratch._compiled = type(self.storage)(self.storage.dtype, 1), 1, True
+            scratch.storage, scratch.count, scratch._compiled = self._kept(self.storage.dtype, 1), 1, True
             scratch.reset(np.zeros(1, np.intp), np.zeros(1, np.uint64), scratch.observe())
             scratch.step(np.zeros((1, self.widths[1])), np.ones(1, np.bool_), 1)
         finally:

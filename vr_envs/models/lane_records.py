@@ -153,9 +153,9 @@ def _is_index(kind: Any, index: Any) -> bool:
     if isinstance(index, types.Integer):
         return len(kind.shape) == 1
     return (
-        isinstance(index, types.BaseTuple)
+        isinstance(index, types.Tuple | types.UniTuple)
         and len(index) == len(kind.shape)
-        and all(isinstance(index[axis], types.Integer) for axis in range(len(index)))
+        and all(isinstance(number, types.Integer) for number in index.types)
     )
 
 
