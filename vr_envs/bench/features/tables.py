@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TypeVar
 
-from vr_envs.bench.features.costs import Cost
+from vr_envs.bench.features.costs import Cost, same_calculation
 from vr_envs.bench.features.impacts import ImpactCost
 from vr_envs.bench.features.skipped import Finished, Flight, Judging, Rest
 from vr_envs.bench.features.startup import Cold, Start, Warm
@@ -27,12 +27,21 @@ def _change(new: int, old: int) -> str:
 
 def option_tables(costs: PerSystem[Cost]) -> list[Table]:
     """One row an option."""
-    head = ["option", "ns per step", "ns without it", "time ratio", "LLVM instructions", "machine instructions"]
+    head = [
+        "option",
+        "in lockstep",
+        "ns per step",
+        "ns without it",
+        "time ratio",
+        "LLVM instructions",
+        "machine instructions",
+    ]
     tables = []
     for system, found in costs.items():
         rows = [
             [
                 cost.name,
+                "yes" if cost.lockstep[0] else "no",
                 cost.time.text(),
                 cost.other_time.text(),
                 _two(cost.ratio),
@@ -61,7 +70,7 @@ def pruning_table(costs: PerSystem[Cost]) -> Table:
             cost.name,
             f"{cost.instructions.optimised.total()}",
             f"{cost.other_instructions.optimised.total()}",
-            "yes" if cost.instructions.optimised == cost.other_instructions.optimised else "no",
+            "yes" if same_calculation(cost) else "no",
             f"{cost.instructions.machine.total()}",
             f"{cost.other_instructions.machine.total()}",
             _two(cost.ratio),
@@ -69,11 +78,12 @@ def pruning_table(costs: PerSystem[Cost]) -> Table:
         for system, found in costs.items()
         for cost in found
     ]
-    head = ["system", "scene", "LLVM", "LLVM, cut", "the same kinds", "machine", "machine, cut", "time ratio"]
+    head = ["system", "scene", "LLVM", "LLVM, cut", "calculate alike", "machine", "machine, cut", "time ratio"]
     note = (
         "Instructions of the shipped kernels and of kernels from which the absent options were cut by machine, which "
-        "give the same bytes. An absent option is a null pointer in each call that is not inlined, which machine code "
-        "passes on."
+        "give the same bytes. They calculate alike if they have as many floating-point operations, loads and calls of "
+        "library functions of each kind. An absent option is a null pointer in each call that is not inlined, which "
+        "machine code passes on; and a call with fewer arguments may be inlined where the other is not."
     )
     return Table("Options that are off", head, rows, (0, 1), note)
 
