@@ -45,8 +45,8 @@ def off(costs: PerSystem[Cost]) -> str:
         f"An option that is off leaves nothing that calculates in the compiled code of {len(same)} of {len(every)} "
         "scenes: as many floating-point operations, loads and calls of functions of each kind as in kernels that never "
         f"had it. All in all LLVM's optimised code differs by {min(more):+d} to {max(more):+d} instructions of "
-        f"{min(sizes)} to {max(sizes)}, as calls with fewer arguments are inlined otherwise; machine code, which passes "
-        f"null pointers on, is {min(longer):.1f} to {max(longer):.1f} % longer; time is {min(ratios):.2f} to "
+        f"{min(sizes)} to {max(sizes)}, as calls with fewer arguments are inlined otherwise; machine code, which "
+        f"passes null pointers on, is {min(longer):.1f} to {max(longer):.1f} % longer; time is {min(ratios):.2f} to "
         f"{max(ratios):.2f} of theirs."
     )
 
@@ -74,12 +74,20 @@ def rest(found: Sequence[Rest]) -> str:
 
 def finished(found: PerSystem[Finished], rows: int) -> str:
     """Whether finished rows are stepped."""
-    parts = [f"{some[-1].ratio.median:.2f} ({system})" for system, some in found.items()]
-    last = next(iter(found.values()))[-1]
-    return (
-        f"Finished rows are not stepped: with {last.live} of {rows} rows running a step takes {', '.join(parts)} of "
-        "the time with all, and the others' records do not change."
+    shares = [some[1:] for some in found.values()]
+    parts = [
+        f"{', '.join(f'{some[k].ratio.median:.2f} ({system})' for system, some in zip(found, shares, strict=True))} "
+        f"with {shares[0][k].live}"
+        for k in reversed(range(len(shares[0])))
+    ]
+    text = (
+        "Finished rows are not stepped, and their records do not change. Over the time of a step in which all of "
+        f"{rows} rows run, one takes {' and '.join(parts)} of them, evenly spread"
     )
+    slower = [system for system, some in zip(found, shares, strict=True) if any(f.ratio.median > 1.0 for f in some)]
+    if slower:
+        text += f"; that some of them cost more than all ({', '.join(slower)}) is the price of moving them one by one"
+    return f"{text}."
 
 
 def judging(found: PerSystem[Judging]) -> str:
