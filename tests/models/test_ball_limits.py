@@ -7,7 +7,7 @@ from vr_envs.envs.ball_on_bar import TASK
 from vr_envs.envs.scene import resolve
 from vr_envs.models.ball_on_bar import advance
 from vr_envs.models.bar import Piece, bounds, frame_at
-from vr_envs.models.flight import AIRBORNE, flight
+from vr_envs.models.flight import AIRBORNE, RELEASED, flight
 from vr_envs.models.record import dtype_of
 
 STILL_BAR = (0.0,) * 6
@@ -151,3 +151,18 @@ def test_a_softened_ball_that_moves_along_a_rough_bar_comes_to_rest():
     states = states_of(scene, 20, 40, lambda g: np.array([0.0, 0.0, 1.0, 0.0, -1.0, 0.0]) * g.uniform(0.0, 1.0))
     assert not states["fault"].any()
     assert states["impacts"].max() < 40 * 300
+
+
+@pytest.mark.parametrize("before", [1e-4, 1e-6, 1e-8, 1e-10])
+def test_a_ball_released_just_before_the_bar_presses_again_is_met_by_it_at_once(before):
+    """The gap is -N s^2/2 - N' s^3/6 with N = -N' before: its root is at 3 before, its largest value N' before^3/3."""
+    omega, acceleration = 2.0 * np.pi, 20.0
+    motion = (0.0, 0.0, 0.0, 0.0, acceleration / (2.0 * omega) ** 2, 0.0)
+    piece = Piece(omega, 0.0, 0.0, motion, motion, None, (0.0, 0.0, 0.0), None)
+    s = np.arccos(9.81 / acceleration) / (2.0 * omega) - before
+    frame = frame_at(piece, s)
+    z, w = frame.z[0], frame.z[1]
+    hit, ds = flight(piece, bounds(piece), 0.0, s, frame, 1.0, 0.0, z, 0.0, w, 9.81, RELEASED, None, None)
+    passed = frame_at(piece, s + ds).z[0] - (z + (w - 0.5 * 9.81 * ds) * ds)
+    assert hit and passed < 1e-16
+    assert ds == pytest.approx(3.0 * before, rel=1e-2, abs=1e-6)

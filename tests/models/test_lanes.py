@@ -11,7 +11,16 @@ from vr_envs.models.jit import kernel
 from vr_envs.models.lane_records import block_at, empty_blocks, lane, lane_count, read_records, record_at, write_records
 from vr_envs.models.lane_rows import blank_rows, gathered, load_lanes, scatter, store_lanes
 from vr_envs.models.lanes import (
-    all_lanes, any_lane, bits_of_float, float_of_bits, floor, negate, to_float, to_int, to_key, where,
+    all_lanes,
+    any_lane,
+    bits_of_float,
+    float_of_bits,
+    floor,
+    negate,
+    to_float,
+    to_int,
+    to_key,
+    where,
 )  # fmt: skip
 
 WIDE = 23

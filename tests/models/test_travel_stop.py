@@ -168,3 +168,13 @@ def test_a_march_ends_well_within_its_limit_even_where_the_mass_grazes_a_stop():
     # the longest search of 6000 such swings: decided by rounding, after 1802 steps
     longest = (0.0016478446065063407, 1.868289663130776, 0.0, 23.931530473061024, 3.066747536104477)
     assert time_to_contact(*longest, 0.23631326137946917, W2_STOP, TRAVEL, 0.358) > 0.0
+
+
+def test_a_stiff_spring_swings_from_stop_to_stop_many_times_in_one_piece():
+    """Without damping the energy stays, however many contacts there are: four in each of some fifty swings."""
+    w2, rubber, travel = 1e9, 4e3, 0.05
+    u, rate, side, touches, fault = move_with_stop(0.051, 0.0, 1.0, 0.0, w2, 0.0, rubber, travel, 0.01)
+    assert not fault and touches > 90
+    energy = [v * v + w2 * x * x + rubber * max(0.0, abs(x) - travel) ** 2 for x, v in ((0.051, 0.0), (u, rate))]
+    assert energy[1] == pytest.approx(energy[0], rel=1e-12)
+    assert (side != 0.0) == (abs(u) > travel)

@@ -90,6 +90,8 @@ def flight(piece, limits, tan, s, frame, end, x, z, u, w, gravity, contact, curv
         ds = min(1e-3 / piece.omega, math.sqrt(2e-14 / max(-force, 1e-12)))
         if slope < 0.0:
             ds = min(ds, (6e-14 / -slope) ** (1.0 / 3.0))
+        elif slope > 0.0:  # the bar comes back at -3 N/N': begin before, or where it is not yet in the ball
+            ds = min(ds, max(-force / slope, (6e-18 / slope) ** (1.0 / 3.0)))
     elif gap_0 <= 0.0:
         second = bend_at(frame, gravity, at, rx, u, curve)
         gap_0, ds = 0.0, certified_step(0.0, opening(at, frame, curve), second, jerk, curvature)

@@ -2,8 +2,8 @@
 
 Numba's own disk cache notices an edit of the file a function stands in, but not an edit of a function
 that it calls from another file, and it cannot recognise a closure again in the next process. Here
-the cache is valid for one text of all kernel sources in the package and of the kernel's own file, so a stale kernel
-is never loaded.
+the cache is valid for one text of all kernel sources in the package and of the files beside the kernel's own, so a
+stale kernel is never loaded.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import numba
+import numba.extending
 from numba.core.caching import FunctionCache, IndexDataCacheFile
 
 PACKAGE = Path(__file__).resolve().parent.parent
@@ -25,12 +26,33 @@ KERNEL_FOLDERS = ("models", "envs")
 @cache
 def source_stamp() -> str:
     """Hash of the text of every file that may contain a kernel."""
+    return "".join(_folder_stamp(PACKAGE / folder) for folder in KERNEL_FOLDERS)
+
+
+@cache
+def _folder_stamp(folder: Path) -> str:
+    """Hash of the text of every Python file of a folder."""
     digest = hashlib.sha256()
-    for folder in KERNEL_FOLDERS:
-        for path in sorted((PACKAGE / folder).glob("*.py")):
-            digest.update(path.name.encode())
-            digest.update(path.read_bytes())
+    for path in sorted(folder.glob("*.py")):
+        digest.update(path.name.encode())
+        digest.update(path.read_bytes())
     return digest.hexdigest()
+
+
+@cache
+def _file_stamp(path: str) -> str:
+    """Hash of a file's text; of nothing where there is no such file."""
+    return hashlib.sha256(Path(path).read_bytes() if Path(path).exists() else b"").hexdigest()
+
+
+def _closed_over(function: Any) -> tuple[str, ...]:
+    """The kernels that a function closes over, and those that they close over: names, and stamps of their files."""
+    found: tuple[str, ...] = ()
+    for cell in function.__closure__ or ():
+        inner = cell.cell_contents.py_func
+        name = f"{inner.__module__}.{inner.__qualname__} {_file_stamp(inner.__code__.co_filename)}"
+        found += (name, *_closed_over(inner))
+    return found
 
 
 class _CacheFile(IndexDataCacheFile):
@@ -50,16 +72,14 @@ class _CacheFile(IndexDataCacheFile):
 class _KernelCache(FunctionCache):
     def __init__(self, function: Any) -> None:
         super().__init__(function)
-        own = Path(function.__code__.co_filename)
-        stamp = source_stamp(), own.read_bytes() if own.exists() else b""  # a kernel may stand outside the package
+        folder = Path(function.__code__.co_filename).parent  # a kernel may stand outside the package
+        stamp = source_stamp(), _folder_stamp(folder)
         self._cache_file = _CacheFile(
             self._cache_path, self._impl.filename_base, hashlib.sha256(repr(stamp).encode()).hexdigest()
         )
 
     def _index_key(self, sig: Any, codegen: Any) -> tuple[Any, ...]:
-        cells = self._py_func.__closure__ or ()
-        inner = tuple(f"{c.cell_contents.py_func.__module__}.{c.cell_contents.py_func.__qualname__}" for c in cells)
-        return (sig, codegen.magic_tuple(), inner)
+        return (sig, codegen.magic_tuple(), _closed_over(self._py_func))
 
 
 def kernel(function: Any) -> Any:
@@ -73,6 +93,11 @@ def kernel(function: Any) -> Any:
     except RuntimeError:  # no folder can be written: neither the package's nor the user's cache
         warnings.warn("vr_envs: no writable folder for compiled kernels; set NUMBA_CACHE_DIR to one", stacklevel=2)
     return dispatcher
+
+
+def intrinsic(function: Any) -> Any:
+    """Numba's decorator of that name; callers do not give the typing context, and are not told to."""
+    return numba.extending.intrinsic(function)
 
 
 @cache
