@@ -35,7 +35,8 @@ def test_a_kernel_outside_the_package_is_cached_until_it_is_edited(tmp_path):
 
 
 def test_an_edit_of_a_kernel_in_the_file_beside_it_compiles_it_anew(tmp_path, monkeypatch):
-    caller = "from beside import once\nfrom vr_envs.models.jit import kernel\n\n\n@kernel\ndef twice(x):\n    return 2.0 * once(x)"
+    imports = "from beside import once\nfrom vr_envs.models.jit import kernel"
+    caller = f"{imports}\n\n\n@kernel\ndef twice(x):\n    return 2.0 * once(x)"
     monkeypatch.setitem(globals(), "KERNEL", caller)
     for factor, hits in ((1.0, 0), (1.0, 1), (3.0, 0)):
         (tmp_path / "beside.py").write_text(

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from vr_envs.models.autopilot import commanded_rates, renew_limits
+from vr_envs.models.autopilot_limits import commanded_rates, renew_limits
 from vr_envs.models.clock import equal_steps
 from vr_envs.models.jit import kernel
 

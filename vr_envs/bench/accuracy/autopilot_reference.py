@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from mpmath import mp, mpf
 
-from vr_envs.models.autopilot import SLOWEST
+from vr_envs.models.autopilot_limits import SLOWEST
 from vr_envs.models.constants import G
 
 DIGITS = 40
