@@ -48,9 +48,9 @@ def compile_one(work: Work) -> bool:
 
 
 def _cached(world: World) -> bool:
-    missed = sum(world.rows.step.stats.cache_misses.values())
+    missed = sum(world.rows.reset.stats.cache_misses.values())
     world.compile()
-    return sum(world.rows.step.stats.cache_misses.values()) == missed
+    return sum(world.rows.reset.stats.cache_misses.values()) == missed
 
 
 def compile_ahead(env_ids: Sequence[str], progress: bool = False) -> None:

@@ -40,7 +40,8 @@ class Instructions(NamedTuple):
 
 
 def instructions(dispatcher: Any, signature: Any) -> Instructions:
-    """Of a kernel that has been compiled for `signature`, or loaded from the cache."""
+    """Of a kernel for arguments of the types `signature`."""
+    dispatcher.compile(signature)
     overload = dispatcher.overloads[signature]
     library, entry = overload.library, overload.fndesc.mangled_name
     # what Numba links into callers: the optimised code, which a cached kernel has too

@@ -33,8 +33,10 @@ def option_bars(costs: Mapping[str, Sequence[Cost]], pruned: Mapping[str, Sequen
     panels = figure.subplots(1, len(costs), squeeze=False)[0]
     for axes, (system, found) in zip(panels, costs.items(), strict=True):
         bars = [("all off", pruned[system][0].ratio, orange)]
-        for cost in sorted(found, key=lambda cost: cost.ratio.median):
-            bars.append((cost.name, cost.ratio, pale if cost.lockstep == (False, True) else blue))
+        bars += [
+            (cost.name, cost.ratio, pale if cost.lockstep == (False, True) else blue)
+            for cost in sorted(found, key=lambda cost: cost.ratio.median)
+        ]
         for place, (_, ratio, colour) in enumerate(bars):
             axes.barh(place, ratio.median - 1.0, left=1.0, height=0.7, color=colour)
             axes.plot([ratio.minimum, ratio.maximum], [place, place], color=ink, linewidth=1.0)
