@@ -70,7 +70,7 @@ def _shared(measured: Measured) -> Table:
 def _aims(goals: Sequence[Goal]) -> Table:
     lines = [
         [
-            g.what, f"{'at least' if g.at_least else 'at most'} {g.wanted:g} {g.unit}", f"{g.found:.3g}",
+            g.what, f"at least {g.wanted:g} {g.unit}", f"{g.found:.3g}",
             "met" if g.met else "not met",
         ]
         for g in goals

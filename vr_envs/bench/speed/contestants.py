@@ -32,8 +32,8 @@ CARTPOLE = "CartPole-v1"
 class Case:
     """A scene of an environment, with a kind of `ACTIONS`.
 
-    `goal`: steps per second that a batch of 1024 rows is to make; `opponent`: the scene on whole arrays, if written: a class with
-    `start`, `step`, `jax` (whether JAX can compile it) and `note` (a sentence for the report, or None).
+    `goal`: steps per second that a batch of 1024 rows is to make; `opponent`: the scene on whole arrays, if written: a
+    class with `start`, `step`, `jax` (whether JAX can compile it) and `note` (a sentence for the report, or None).
     """
 
     env_id: str

@@ -15,18 +15,17 @@ OVER_NUMPY = {64: 10.0, 4096: 3.0}  # rows -> how many times as fast as NumPy
 
 @dataclasses.dataclass(frozen=True)
 class Goal:
-    """A number that `found` is to reach (`at_least`), or to stay below."""
+    """A number that `found` is to reach."""
 
     what: str
     unit: str
     wanted: float
     found: float
-    at_least: bool = True
 
     @property
     def met(self) -> bool:
         """Whether it does."""
-        return self.found >= self.wanted if self.at_least else self.found <= self.wanted
+        return self.found >= self.wanted
 
 
 def goals(cases: Sequence[Case], measured: Measured) -> list[Goal]:

@@ -1,7 +1,7 @@
 """The bar's motion in a base cycle, and the flight of a ball to its first contact with it, over all rows at once.
 
-The contact is the first root of the gap g = z - z_bar + (x - x_bar) tan(tilt), by steps that no root can lie in: as long
-as bounds of g'' and g''' allow.
+The contact is the first root of the gap g = z - z_bar + (x - x_bar) tan(tilt), by steps that no root can lie in: as
+long as bounds of g'' and g''' allow.
 """
 
 from __future__ import annotations

@@ -6,8 +6,8 @@ row with the most impacts, with ever fewer rows.
 
 Left out, against the native batch: a chatter is not summed; a ball that leaves an impact more slowly than `SLOW` while
 the bar supports it rests from then on. A resting ball leaves where the supporting force, sampled over the cycle, has
-become negative (sampled more closely there); where that lasts for less than a sample the ball stays. The gap is no difference from the start of a flight, so it has no more digits than
-the ball's place.
+become negative (sampled more closely there); where that lasts for less than a sample the ball stays. The gap is no
+difference from the start of a flight, so it has no more digits than the ball's place.
 """
 
 from __future__ import annotations
@@ -36,8 +36,8 @@ class BallArrays:
 
     jax = False
     note = (
-        "The ball in NumPy is a loop over impacts, which is left to NumPy, not written for JAX; it sums no chatter: a ball "
-        f"that leaves an impact at less than {1e3 * SLOW:g} mm/s while the bar supports it rests."
+        "The ball in NumPy is a loop over impacts, which is left to NumPy, not written for JAX; it sums no chatter: a "
+        f"ball that leaves an impact at less than {1e3 * SLOW:g} mm/s while the bar supports it rests."
     )
 
     def __init__(self, arrays: Arrays, scene: Scene, limit: int) -> None:
