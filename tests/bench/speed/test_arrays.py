@@ -20,7 +20,7 @@ LOW = {"base": "lecture", "altitude_low": 20.0, "altitude_high": 200.0, "demands
 AIR = {**LOW, "base": "airliner", "altitude_high": 12500.0, "stall_speed": 74.0, "turbulence": {"sigma": 1.5}}
 CASES = [
     (AutopilotArrays, AutopilotBatchEnv, LOW, 50),
-    (AirlinerArrays, AutopilotBatchEnv, AIR, 10),
+    (AirlinerArrays, AutopilotBatchEnv, AIR, 5),
     (RideArrays, TerrainRideBatchEnv, "lecture", 0),
 ]
 
