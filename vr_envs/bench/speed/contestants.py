@@ -15,6 +15,7 @@ import gymnasium as gym
 import numpy as np
 
 from vr_envs.bench.speed.arrays.autopilot import AutopilotArrays
+from vr_envs.bench.speed.arrays.autopilot_airliner import AirlinerArrays
 from vr_envs.bench.speed.arrays.ball_on_bar import BallArrays
 from vr_envs.bench.speed.arrays.namespace import Arrays
 from vr_envs.bench.speed.arrays.terrain_ride import RideArrays
@@ -54,7 +55,7 @@ CASES = (
     Case("vr_envs/BallOnBar-v0", "bell", "small", 1e6, BallArrays),
     Case("vr_envs/Autopilot-v1", "lecture", "full range", 30e6, AutopilotArrays),
     Case("vr_envs/Autopilot-v1", "lecture", "small", 30e6, AutopilotArrays),
-    Case("vr_envs/Autopilot-v1", "airliner", "full range", 10e6),
+    Case("vr_envs/Autopilot-v1", "airliner", "full range", 10e6, AirlinerArrays),
     Case("vr_envs/TerrainRide-v0", "lecture", "full range", 30e6, RideArrays),
     Case("vr_envs/TerrainRide-v0", "road", "full range"),
 )
