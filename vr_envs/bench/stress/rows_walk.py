@@ -22,8 +22,8 @@ from vr_envs.envs.world import World
 from vr_envs.models.jit import kernel
 from vr_envs.models.noise import uniform
 
-ZERO, UNIFORM, CORNERS, HELD, FULL = range(5)
-"""Kinds of actions: none; drawn for every step; drawn from {-1, 1}; drawn for every 20 steps; 1."""
+ZERO, UNIFORM, CORNERS, HELD = range(4)
+"""Kinds of actions: none; drawn for every step; drawn from {-1, 1}; drawn for every 20 steps."""
 _DRAWS = 1 << 42  # counters of the actions, apart from those of the episodes
 
 REASONS = (
@@ -50,9 +50,7 @@ class Settings(NamedTuple):
 def _act(action, settings, step):
     for j in range(action.shape[0]):
         draw = _DRAWS + action.shape[0] * (step // 20 if settings.actions == HELD else step) + j
-        if settings.actions == FULL:
-            action[j] = 1.0
-        elif settings.actions != ZERO:
+        if settings.actions != ZERO:
             action[j] = 2.0 * uniform(settings.key, draw) - 1.0
         if settings.actions == CORNERS:
             action[j] = math.copysign(1.0, action[j])
