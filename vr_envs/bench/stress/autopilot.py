@@ -8,7 +8,7 @@ from typing import Any
 import mpmath as mp
 import numpy as np
 
-from vr_envs.bench.stress.flight_check import REASONS, ROUNDING, in_range, jumping_demands, lecture
+from vr_envs.bench.stress.flight_check import REASONS, ROUNDING, facts_of, in_range, jumping_demands, lecture
 from vr_envs.bench.stress.rows_walk import CORNERS, HELD, UNIFORM, Settings, judge
 from vr_envs.bench.stress.trial import Failure, Outcome
 from vr_envs.envs.autopilot import TASK
@@ -38,9 +38,7 @@ def demands(first: int, number: int, trace: np.ndarray) -> Outcome:
     outcome = Outcome()
     for seed in range(first, first + number):
         scene = {"base": "airliner-rough", "demands": {"hold_low": 1.0, "hold_high": 1.0, "share_high": 1.0}}
-        p = resolve(TASK, scene).params
-        facts = (1.0, p.ceiling, p.stall_speed, p.top_speed)
-        settings = Settings(seed, 2000, KINDS[seed % 3], 1, facts)
+        settings = Settings(seed, 2000, KINDS[seed % 3], 1, facts_of(resolve(TASK, scene), jumping=True))
         judge(TASK, scene, settings, outcome, trace, jumping_demands, in_range, REASONS)
     return outcome
 
@@ -56,8 +54,8 @@ def standing(first: int, number: int, trace: np.ndarray) -> Outcome:
         scene = {**STANDING, **rates, **wide, "base": ("lecture", "airliner-rough")[seed % 2]}
         if seed % 2:
             scene |= {"speed_high": 100.0, "shear": {"gradient": draw.uniform(0.0, 0.2)}}
-        settings = Settings(seed, 1000, KINDS[seed // 2 % 3], 1, (0.0,) * 4)
-        judge(TASK, scene, settings, outcome, trace, check=(lecture, in_range)[seed % 2], reasons=REASONS)
+        settings = Settings(seed, 1000, KINDS[seed // 2 % 3], 1, facts_of(resolve(TASK, scene)))
+        judge(TASK, scene, settings, outcome, trace, jumping_demands, (lecture, in_range)[seed % 2], REASONS)
     return outcome
 
 
@@ -133,9 +131,9 @@ def rough(first: int, number: int, trace: np.ndarray) -> Outcome:
     for seed in range(first, first + number):
         air = {"sigma": 20.0, "wind_20ft": 60.0}
         scene = {**STANDING, "base": "airliner-rough", "turbulence": air, "altitude_low": 1.0 if seed % 2 else 5000.0}
-        settings = Settings(seed, 1000, KINDS[seed % 3], 1, (0.0,) * 4)
-        judge(TASK, scene, settings, outcome, trace, check=in_range, reasons=REASONS)
-        if (off := _gusts_off({**scene, "speed_low": 150.0}, seed)) > _GUSTS:
+        settings = Settings(seed, 1000, KINDS[seed % 3], 1, facts_of(resolve(TASK, scene)))
+        judge(TASK, scene, settings, outcome, trace, jumping_demands, in_range, REASONS)
+        if (off := _gusts_off({**scene, "speed_low": 100.0}, seed)) > _GUSTS:
             outcome.failures.append(Failure(seed, f"a gust's variance is {off:.2f} of it off"))
     return outcome
 

@@ -91,8 +91,11 @@ def curved(seed: int) -> Walk:
         "half_length": half,
         "start_max": 0.5 * half,
         "start_min": 0.0,
-        "restitution": draw.uniform(0.0, 0.95),
-        "scatter": {"restitution": 0.0, "normal": 0.0},
+        "restitution": draw.choice([draw.uniform(0.0, 1.0), 1.0], p=[0.9, 0.1]),
+        "scatter": {
+            "restitution": draw.choice([0.0, draw.uniform(0.0, 0.3)]),
+            "normal": draw.choice([0.0, draw.uniform(0.0, 0.1)]),
+        },
         "spin": {"inertia_ratio": draw.uniform(0.0, 1.0)},
         "friction": {"coefficient": _log_uniform(draw, 1e-3, 10.0), "restitution": draw.uniform(0.0, 1.0)},
         "curve": {"curvature": curvature},

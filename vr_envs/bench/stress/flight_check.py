@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from vr_envs.envs.scene import Scene
 from vr_envs.models.jit import kernel
 from vr_envs.models.noise import uniform
 
@@ -21,10 +22,22 @@ _PANELS = 100
 _DEMANDS = 1 << 44  # counters of the demands, apart from the actions and the episodes
 
 
+def facts_of(scene: Scene, jumping: bool = False) -> tuple[float, ...]:
+    """What the check needs to know: the ends of the demands, if they jump, and the largest climb rate."""
+    p, envelope = scene.params, scene.options["envelope"]
+    ends = (1.0, p.ceiling, p.stall_speed, p.top_speed) if jumping else (0.0,) * 4
+    climb = p.climb
+    if envelope is not None and envelope.cruise_climb > climb:  # it grows with altitude
+        climb = math.inf
+    return (*ends, climb)
+
+
 @kernel
 def jumping_demands(state, settings, step):
-    """Before every step, put each demand to one end or the other of the range that the facts give, with a new heading."""
-    low, high, slow, fast = settings.facts
+    """Before every step put each demand to an end of the range that the facts give, if they do, with a new heading."""
+    low, high, slow, fast, _ = settings.facts
+    if high <= low:
+        return
     draw = _DEMANDS + 3 * step
     state.demand[0] = low if uniform(settings.key, draw) < 0.5 else high
     state.demand[1] = slow if uniform(settings.key, draw + 1) < 0.5 else fast
@@ -40,7 +53,7 @@ def in_range(before, state, action, params, facts):
         return _NEGATIVE, 0.0
     if abs(state.heading) > math.pi + ROUNDING:
         return _HEADING, 0.0
-    beyond = max(state.vertical_speed - params.climb, -params.descent - state.vertical_speed)
+    beyond = max(state.vertical_speed - facts[4], -params.descent - state.vertical_speed)
     beyond = max(beyond, state.acceleration - params.acceleration, -params.deceleration - state.acceleration)
     beyond = max(beyond, abs(state.turn_rate) - params.turn)
     return (_RATE if beyond > 1e-9 else 0), 0.0

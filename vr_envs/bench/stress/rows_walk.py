@@ -136,11 +136,11 @@ def judge(
     settings: Settings,
     outcome: Outcome,
     trace: np.ndarray,
-    prepare: Any = nothing,
-    check: Any = no_check,
-    reasons: tuple[str, ...] = (),
+    prepare: Any,
+    check: Any,
+    reasons: tuple[str, ...],
 ) -> None:
-    """Walk one case; its seed is the key of the settings."""
+    """Walk one case; its seed is the key of the settings. `check` returns (0 or the number of one of `reasons`, figure)."""
     world = World(task, scene, 1)
     dtype = world.states.dtype
     words = [k for name in dtype.names or () if dtype[name].base.kind == "f" for k in _words(dtype, name)]

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from vr_envs.bench.stress.ride_check import REASONS, check, denormal, facts_of
-from vr_envs.bench.stress.rows_walk import CORNERS, HELD, UNIFORM, ZERO, Settings, judge
+from vr_envs.bench.stress.rows_walk import CORNERS, HELD, UNIFORM, ZERO, Settings, judge, no_check, nothing
 from vr_envs.bench.stress.trial import Outcome
 from vr_envs.envs.scene import Scene, resolve
 from vr_envs.envs.terrain_ride import TASK
@@ -92,7 +92,8 @@ def far(first: int, number: int, trace: np.ndarray) -> Outcome:
     """The default scene, on and on."""
     outcome = Outcome()
     for seed in range(first, first + number):
-        judge(TASK, {}, Settings(seed, 100_000, (UNIFORM, CORNERS, HELD, ZERO)[seed % 4], 1, (0.0,)), outcome, trace)
+        settings = Settings(seed, 100_000, (UNIFORM, CORNERS, HELD, ZERO)[seed % 4], 1, (0.0,))
+        judge(TASK, {}, settings, outcome, trace, nothing, no_check, ())
     return outcome
 
 
