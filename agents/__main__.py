@@ -1,8 +1,10 @@
-"""The command line: `python -m agents train | evaluate`."""
+"""The command line: `python -m agents train | evaluate | speed`."""
 
 from __future__ import annotations
 
 import argparse
+import dataclasses
+import json
 import sys
 from pathlib import Path
 from typing import Any
@@ -37,6 +39,16 @@ def _parser() -> argparse.ArgumentParser:
     evaluate.add_argument("--level", default="nominal", help="strength of the disturbances (default: %(default)s)")
     add_engine(evaluate)
     evaluate.add_argument("--json", type=Path, help="write the results to this file too")
+
+    speed = commands.add_parser(
+        "speed",
+        help="where the time of a training goes, as JSON",
+        description="Train briefly on scalar environments and on native batches; print the CPU seconds as JSON.",
+    )
+    speed.add_argument("env", nargs="+", metavar="ID", help="environments, each in its default scene")
+    speed.add_argument(
+        "--timesteps", type=whole(1), default=20_000, help="of each training, in whole rollouts (default: %(default)s)"
+    )
 
     for command in (train, evaluate):
         command.add_argument(
@@ -102,13 +114,21 @@ def _evaluate(arguments: argparse.Namespace) -> int:
     return 0
 
 
+def _speed(arguments: argparse.Namespace) -> int:
+    from agents.speed import compare
+
+    found = [training for env in arguments.env for training in compare(env, arguments.timesteps)]
+    print(json.dumps([dataclasses.asdict(training) for training in found], indent=1))
+    return 0
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Run a command; returns the exit status. An error of the user's is one line on stderr and status 2."""
     given = _parser().parse_args(arguments)
     try:
         if given.command == "train":
             return _train(load(given.config, _overrides(given)), given)
-        return _evaluate(given)
+        return _speed(given) if given.command == "speed" else _evaluate(given)
     except (ValueError, OSError) as error:
         print(f"python -m agents {given.command}: error: {error}", file=sys.stderr)
         return 2

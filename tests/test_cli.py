@@ -119,20 +119,17 @@ def test_tune_without_its_package_says_what_to_install(toy, capsys, monkeypatch)
     assert "pip install '.[tune]' in a clone" in refused(capsys, "tune", toy, "--evaluations", "30")
 
 
-def test_bench_speed_prints_and_writes(toy, capsys, tmp_path):
-    path = tmp_path / "speed.json"
-    assert main(["bench", "speed", "--id", toy, "--rows", "1,8", "--repeats", "1", "--json", str(path)]) == 0
-    out = capsys.readouterr().out.splitlines()
-    stored = json.loads(path.read_text())
-    assert "process_time" in out[0] and f"numba {stored['versions']['numba']}" in out[0]
-    assert [cell.strip() for cell in out[2].split("|")[1:-1]][1:3] == ["actions", "rows"]
-    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in out[4:]]
-    assert [(row[1], row[2], row[-1]) for row in rows] == [
-        (actions, count, "-") for actions in ("full range", "small") for count in ("1", "8")
-    ]
-    assert [(s["actions"], s["rows"], s["impacts_per_step"]) for s in stored["speeds"]] == [
-        (actions, count, None) for actions in ("full range", "small") for count in (1, 8)
-    ]
+def test_bench_speed_prints_and_writes(toy, capsys, tmp_path, monkeypatch):
+    monkeypatch.setattr("vr_envs.bench.speed.training.missing", lambda: "No training here.")
+    command = ["bench", "speed", "--quick", "--id", toy, "--rows", "1,8", "--repeats", "1", "--out", str(tmp_path)]
+    assert main(command) == 0
+    out = capsys.readouterr().out
+    assert "No training here." in out and "| CartPole-v1 " in out and "1 of 1 goals" not in out.splitlines()[0]
+    found = json.loads((tmp_path / "speed.json").read_text())["numbers"]["steps_per_cpu_second"]
+    kinds = {(s["case"], s["family"], s["rows"]) for s in found}
+    for actions in ("", ", small actions"):
+        for form in ("native batch", "SyncVectorEnv"):
+            assert {(f"FirstOrder default{actions}", form, rows) for rows in (1, 8)} <= kinds
     assert "no environment 'Toy'" in refused(capsys, "bench", "speed", "--id", "Toy")
     assert "at least 1" in refused(capsys, "bench", "speed", "--rows", "1,0")
 
@@ -236,6 +233,7 @@ def test_list_names_every_parameter_and_channel(capsys, env_id):
         scene = resolve(task, name)
         fields = [f.name for f in dataclasses.fields(task.params)]
         fields += [f"{option}.{f.name}" for option, cls in task.additions.items() for f in dataclasses.fields(cls)]
+        fields += [option for option, cls in task.additions.items() if not dataclasses.fields(cls)]
         channels = [c.name for c in (*task.observation_channels(scene), *task.action_channels(scene))]
         for expected in fields:
             assert f"\n| {expected} " in text

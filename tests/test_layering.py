@@ -17,7 +17,7 @@ ALLOWED = {
     "evaluation": {"models", "envs", "controllers", "evaluation"},
     "render": {"models", "envs", "render"},
     "experiments": {"models", "envs", "evaluation", "render", "experiments"},
-    "bench": {"models", "envs", "controllers", "evaluation", "bench"},
+    "bench": {"models", "envs", "controllers", "rigid_body", "evaluation", "render", "bench"},
     "cli": {"models", "envs", "controllers", "evaluation", "render", "bench", "experiments", "cli"},
 }
 LIBRARIES = {

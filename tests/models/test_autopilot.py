@@ -11,6 +11,7 @@ from scipy.special import spherical_jn
 from tests.models.autopilot_reference import GRADIENT, NAMES, SHEAR_ORIGIN, WIND, WIND_ORIGIN, Flight
 from vr_envs.models import autopilot as model
 from vr_envs.models import autopilot_options as options
+from vr_envs.models.autopilot_limits import climb_limit, turn_limit
 from vr_envs.models.ground_track import spherical_bessel
 from vr_envs.models.record import dtype_of, pack
 
@@ -179,15 +180,15 @@ def test_headings_wrap(angle: float, expected: float) -> None:
 
 
 def test_limits_follow_altitude_speed_and_bank() -> None:
-    assert model.climb_limit(0.0, PARAMS, ENVELOPE) == 13.0
-    assert model.climb_limit(11000.0, PARAMS, ENVELOPE) == pytest.approx(6.0, rel=1e-15)
-    assert model.climb_limit(25000.0, PARAMS, ENVELOPE) == 0.0
-    assert model.climb_limit(11000.0, PARAMS, None) == 13.0
+    assert climb_limit(0.0, PARAMS, ENVELOPE) == 13.0
+    assert climb_limit(11000.0, PARAMS, ENVELOPE) == pytest.approx(6.0, rel=1e-15)
+    assert climb_limit(25000.0, PARAMS, ENVELOPE) == 0.0
+    assert climb_limit(11000.0, PARAMS, None) == 13.0
     crossover = G * math.tan(math.radians(25.0)) / math.radians(3.0)  # 87.3 m/s
     assert crossover == pytest.approx(87.3, abs=0.05)
-    assert model.turn_limit(crossover - 1.0, PARAMS, ENVELOPE) == math.radians(3.0)
-    assert model.turn_limit(0.0, PARAMS, ENVELOPE) == math.radians(3.0)
-    assert model.turn_limit(200.0, PARAMS, ENVELOPE) == pytest.approx(math.radians(3.0) * crossover / 200.0, rel=1e-14)
+    assert turn_limit(crossover - 1.0, PARAMS, ENVELOPE) == math.radians(3.0)
+    assert turn_limit(0.0, PARAMS, ENVELOPE) == math.radians(3.0)
+    assert turn_limit(200.0, PARAMS, ENVELOPE) == pytest.approx(math.radians(3.0) * crossover / 200.0, rel=1e-14)
 
 
 @pytest.mark.parametrize("refresh", [0.25, 1.0, 3.0])

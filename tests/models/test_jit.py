@@ -35,7 +35,8 @@ def test_a_kernel_outside_the_package_is_cached_until_it_is_edited(tmp_path):
 
 
 def test_an_edit_of_a_kernel_in_the_file_beside_it_compiles_it_anew(tmp_path, monkeypatch):
-    caller = "from beside import once\nfrom vr_envs.models.jit import kernel\n\n\n@kernel\ndef twice(x):\n    return 2.0 * once(x)"
+    imports = "from beside import once\nfrom vr_envs.models.jit import kernel"
+    caller = f"{imports}\n\n\n@kernel\ndef twice(x):\n    return 2.0 * once(x)"
     monkeypatch.setitem(globals(), "KERNEL", caller)
     for factor, hits in ((1.0, 0), (1.0, 1), (3.0, 0)):
         (tmp_path / "beside.py").write_text(
@@ -73,3 +74,44 @@ def test_a_cached_kernel_of_a_type_that_is_gone_is_compiled_anew(tmp_path, monke
     assert run(tmp_path, None) == (2.0, 1)
     monkeypatch.setitem(globals(), "KERNEL", PAIR.replace("{name}", "Couple"))
     assert run(tmp_path, None) == (2.0, 0)
+
+
+MAKER = """
+from vr_envs.models.jit import kernel
+
+
+def around(inner):
+    @kernel
+    def outer(x):
+        return inner(x)
+
+    return outer
+"""
+NESTED = """
+from maker import around
+from vr_envs.models.jit import kernel
+
+
+@kernel
+def first(x):
+    return {factor} * x
+
+
+@kernel
+def second(x):
+    return 10.0 * x
+
+
+other = around(around(second))
+other(1.0)
+twice = around(around(first))
+"""
+
+
+def test_a_kernel_is_known_by_all_that_it_closes_over_and_by_their_text(tmp_path, monkeypatch):
+    """Two that differ only in what an inner one closes over, and one that stands in another file and is edited."""
+    (tmp_path / "maker.py").write_text(MAKER)
+    monkeypatch.setitem(globals(), "KERNEL", NESTED)
+    assert run(tmp_path, 2) == (2.0, 0)
+    assert run(tmp_path, 2) == (2.0, 1)
+    assert run(tmp_path, 3) == (3.0, 0)

@@ -6,10 +6,11 @@ from scipy.integrate import solve_ivp
 
 from vr_envs.models.record import dtype_of, pack
 from vr_envs.models.ride_options import TICK, ActuatorLag
+from vr_envs.models.ride_pieces import ride
 from vr_envs.models.road import start_road
 from vr_envs.models.road_options import Bumps, Road
 from vr_envs.models.terrain import Undulation, start_undulation, wave
-from vr_envs.models.terrain_ride import Params, State, advance, ride, suspension
+from vr_envs.models.terrain_ride import Params, State, advance, suspension
 from vr_envs.models.travel_stop import TravelStop
 
 STEPS = 1000

@@ -38,7 +38,7 @@ def cpu_seconds(work: Callable[[], object]) -> float:
 
 
 def calls_for(work: Callable[[], object], seconds: float, most: int = 1 << 30) -> int:
-    """How many calls take about `seconds` of CPU time, at least one; the first call, which may compile, is not timed."""
+    """How many calls take about `seconds` of CPU time, at least one; the first, which may compile, is not timed."""
     work()
     calls = 1
     while (spent := _many(work, calls)) < 0.1 * seconds and calls < most:

@@ -5,17 +5,32 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
+from vr_envs.cli.common import UserError
+
 if TYPE_CHECKING:
     from vr_envs.bench.report import Report
 
-SUMMARY = "accuracy"
-EXAMPLES = "  vr-envs bench accuracy\n  vr-envs bench accuracy --quick --out /tmp/bench"
+SUMMARY = "run time against error of every engine and of what one would use instead"
+EXAMPLES = """\
+  vr-envs bench accuracy
+  vr-envs bench accuracy --quick --out /tmp/bench
+  vr-envs bench accuracy --system ball_on_bar"""
+SYSTEMS = ("ball_on_bar", "autopilot", "terrain_ride")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what only this benchmark knows."""
+    parser.add_argument(
+        "--system", action="append", default=[], choices=SYSTEMS, help="one system alone; may be repeated; default all"
+    )
 
 
 def measure(arguments: argparse.Namespace) -> Report:
     """Measure and report."""
-    raise NotImplementedError
+    try:
+        from vr_envs.bench.accuracy.measure import measure as measured
+    except ImportError as error:
+        raise UserError(
+            f"this needs mpmath, mujoco and matplotlib: pip install '.[bench]' in a clone of the project ({error})"
+        ) from error
+    return measured(arguments.system, arguments.quick)

@@ -17,7 +17,7 @@ import numpy as np
 from vr_envs.envs.autopilot_observation import BAND, Reading, actions_for, limits, read
 from vr_envs.envs.scene import Scene
 from vr_envs.models.atmosphere import airspeed_rate
-from vr_envs.models.autopilot import SLOWEST, within_power
+from vr_envs.models.autopilot_limits import SLOWEST, within_power
 from vr_envs.models.constants import G
 from vr_envs.models.jit import kernel
 from vr_envs.models.lag import clamped_lag

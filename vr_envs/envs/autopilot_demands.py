@@ -13,7 +13,8 @@ import math
 
 from vr_envs.models import autopilot as model
 from vr_envs.models.atmosphere import airspeed, highest_airspeed, true_airspeed
-from vr_envs.models.autopilot import rate_limits, wrap
+from vr_envs.models.autopilot import wrap
+from vr_envs.models.autopilot_limits import rate_limits
 from vr_envs.models.clock import SAME
 from vr_envs.models.jit import kernel
 from vr_envs.models.lanes import where

@@ -9,7 +9,7 @@ import numpy as np
 from vr_envs.envs.autopilot_legs import finish_episode, watch_leg
 from vr_envs.envs.autopilot_observation import BAND
 from vr_envs.envs.scene import Scene
-from vr_envs.models.autopilot import commanded_rates
+from vr_envs.models.autopilot_limits import commanded_rates
 from vr_envs.models.jit import kernel
 from vr_envs.models.lanes import to_int
 from vr_envs.models.load_factor import lateral_load_factor, normal_load_factor

@@ -11,7 +11,8 @@ from vr_envs.envs.autopilot_sensing import measure
 from vr_envs.envs.scene import Scene
 from vr_envs.envs.task import Channel
 from vr_envs.models.atmosphere import airspeed_rate, true_airspeed
-from vr_envs.models.autopilot import rate_limits, wrap
+from vr_envs.models.autopilot import wrap
+from vr_envs.models.autopilot_limits import rate_limits
 from vr_envs.models.elementary import log
 from vr_envs.models.jit import kernel
 

@@ -68,7 +68,6 @@ class BatchEnv(gym.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         self._generators: list[np.random.Generator | None] = [None] * self.num_envs
         self._seeds: list[int] = [-1] * self.num_envs
         self._done = np.zeros(self.num_envs, np.bool_)
-        self._all = np.ones(self.num_envs, np.bool_)
         self._ready = np.zeros(self.num_envs, np.bool_)
         self._begun = self._ended = False  # all rows have begun an episode; some row's has ended
 
@@ -157,25 +156,29 @@ class BatchEnv(gym.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         """
         if not self._begun:
             raise ResetNeeded(f"env {int(np.argmin(self._ready))} has not begun an episode; call reset() before step()")
-        live, stale = self._all, None
-        if self._ended:
+        live = stale = None
+        stopped = self._ended
+        if stopped:
             if self.autoreset_mode is AutoresetMode.DISABLED:
                 raise ResetNeeded(
                     f"env {int(np.argmax(self._done))} has ended; reset it with options={{'reset_mask': ...}}"
                 )
             if self.autoreset_mode is AutoresetMode.NEXT_STEP:
                 live, stale = ~self._done, self._done
-        batch = self.world.actions(actions, (self.num_envs, self.world.widths[1]))
-        obs, rewards, terminated, truncated = self.world.step(batch, live, self._limit)
-        self._done = done = terminated | truncated
-        self._ended = np.count_nonzero(done) > 0  # ten times as fast as done.any()
+        workspace = self.world.workspace(self._limit)
+        workspace.take(actions, (self.num_envs, self.world.widths[1]))
+        obs, rewards, terminated, truncated = workspace.step(live)
+        self._ended = workspace.ended
         infos: dict[str, Any] = {}
         if self._ended:
+            self._done = done = terminated | truncated
             rows = np.flatnonzero(done)
             infos = self._end_infos(done, rows)
             if self.autoreset_mode is AutoresetMode.SAME_STEP:
                 infos = self._final(done, rows, obs, infos)
                 self.world.reset(rows, self._keys(rows), obs)
+        elif stopped:
+            self._done = np.zeros(self.num_envs, np.bool_)
         if stale is not None:
             rows = np.flatnonzero(stale)
             self.world.reset(rows, self._keys(rows), obs)

@@ -12,7 +12,7 @@ from vr_envs.envs.task import Task
 from vr_envs.models.jit import kernel
 from vr_envs.models.lane_records import block_at, lane, record_at
 from vr_envs.models.lane_rows import blank_rows, gathered, load_lanes, scatter, store_lanes
-from vr_envs.models.lanes import WIDTH, all_lanes
+from vr_envs.models.lanes import WIDTH, all_lanes, any_lane
 
 LOCKSTEP_FROM = 4 * WIDTH
 
@@ -23,8 +23,9 @@ class Rows(NamedTuple):
     `states` are records one after another, or blocks of them (`vr_envs.models.lane_records`).
     `reset(states, rows, keys, obs, params, options)`: start afresh the given rows from the given keys.
     `step(states, actions, live, limit, obs, rewards, terminated, truncated, params, options) -> int`: move the
-    live rows by one control interval; -1, or the index of the first row with a non-finite action (then nothing
-    has changed). Actions are clipped to [-1, 1] in place; `actions` and `obs` are given as `row_records`.
+    live rows by one control interval; 1 if an episode has ended, else 0. With a non-finite action, -1 - i if row i is
+    the first that has one, and then nothing has changed. Actions are clipped to [-1, 1] in place; `actions` and `obs`
+    are given as `row_records`.
     `observe(states, obs, params, options)`: observations of all rows.
     """
 
@@ -80,21 +81,22 @@ def _build(start: Any, advance: Any, outcome: Any, observe: Any, ready: Any, adv
 
     @kernel
     def step_rows(states, actions, live, limit, obs, rewards, terminated, truncated, params, options):  # type: ignore[no-untyped-def]
-        bad = admit(actions)
+        bad, ended = admit(actions), False
         if bad >= 0:
-            return bad
+            return -1 - bad
         for i in range(rewards.shape[0]):
             if live[i]:
                 state = record_at(states, i)
                 rewards[i], terminated[i] = step_row(state, actions[i].row, obs[i].row, params, options)
                 truncated[i] = state.steps >= limit
-        return -1
+                ended = ended or terminated[i] or truncated[i]
+        return int(ended)
 
     @kernel
     def step_blocks(states, actions, live, limit, obs, rewards, terminated, truncated, params, options):  # type: ignore[no-untyped-def]
-        bad = admit(actions)
+        bad, ended = admit(actions), False
         if bad >= 0:
-            return bad
+            return -1 - bad
         n = rewards.shape[0]
         for b in range(states.shape[0]):
             block, first, last = block_at(states, b), b * WIDTH, min(n, (b + 1) * WIDTH)
@@ -106,10 +108,12 @@ def _build(start: Any, advance: Any, outcome: Any, observe: Any, ready: Any, adv
                 action, row = gathered(actions, first), blank_rows(obs)
                 advance_block(block, action, params, *options)
                 block.steps += 1
-                reward, ended = outcome(block, action, params, *options)
+                reward, failed = outcome(block, action, params, *options)
+                late = block.steps >= limit
                 store_lanes(rewards, first, reward)
-                store_lanes(terminated, first, ended)
-                store_lanes(truncated, first, block.steps >= limit)
+                store_lanes(terminated, first, failed)
+                store_lanes(truncated, first, late)
+                ended = ended or any_lane(failed | late)
                 observe(block, row, params, *options)
                 scatter(row, obs, first)
             else:
@@ -118,7 +122,8 @@ def _build(start: Any, advance: Any, outcome: Any, observe: Any, ready: Any, adv
                         state = lane(block, i - first)
                         rewards[i], terminated[i] = step_row(state, actions[i].row, obs[i].row, params, options)
                         truncated[i] = state.steps >= limit
-        return -1
+                        ended = ended or terminated[i] or truncated[i]
+        return int(ended)
 
     @kernel
     def observe_rows(states, obs, params, options):  # type: ignore[no-untyped-def]

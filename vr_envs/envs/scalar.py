@@ -12,7 +12,6 @@ import gymnasium as gym
 import numpy as np
 from gymnasium.error import ResetNeeded
 
-from vr_envs.envs.single import Single
 from vr_envs.envs.task import Task
 from vr_envs.envs.world import NO_LIMIT, World, check_options, episode_key, scenario_keys
 
@@ -37,8 +36,9 @@ class ScalarEnv(gym.Env[np.ndarray, np.ndarray]):
         self.observation_space = self.world.observation_space
         self.action_space = self.world.action_space
         self.render_mode = render_mode
-        self._single = Single(self.world)
-        self._shape = self.action_space.shape
+        self._row = np.zeros(1, np.intp)
+        self._shape = (self.world.widths[1],)
+        self._limit = NO_LIMIT
         self._ready = self._restored = False
         self._painter: Any = None
 
@@ -54,16 +54,18 @@ class ScalarEnv(gym.Env[np.ndarray, np.ndarray]):
         if self.spec is not None:
             # gym.make strikes the limit from the spec that the environment sees: its TimeLimit wrapper keeps it
             registered = gym.registry.get(self.spec.id, self.spec)
-            self._single.limit = registered.max_episode_steps or NO_LIMIT
+            self._limit = registered.max_episode_steps or NO_LIMIT
         if options and options.get("state") is not None:
-            obs = self.world.observe()[0]
+            obs = self.world.observe()
         else:
-            obs = self._single.reset(episode_key(self.np_random) if keys is None else keys[0])
+            keys = np.array([episode_key(self.np_random)]) if keys is None else keys
+            obs = np.empty((1, self.world.widths[0]), np.float32)
+            self.world.reset(self._row, keys, obs)
             self._restored = False
         self._ready = True
         if self.render_mode == "human":
             self.render()
-        return obs, {}
+        return obs[0], {}
 
     def step(self, action: Any) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
         """Move by one control interval. The last step's info holds the episode's metrics.
@@ -74,20 +76,17 @@ class ScalarEnv(gym.Env[np.ndarray, np.ndarray]):
         """
         if not self._ready:
             raise ResetNeeded("the episode has ended or has not begun; call reset() before step()")
-        single = self._single
-        if type(action) is np.ndarray and action.shape == self._shape and action.dtype.kind == "f":
-            single.action[0] = action
-        else:
-            single.action[:] = self.world.actions(action, self._shape)
-        obs = single.step()
-        terminated, truncated = single.terminated.item(), single.truncated.item()
+        workspace = self.world.workspace(self._limit)
+        workspace.take(action, self._shape)
+        obs, rewards, ended, over = workspace.move()
+        terminated, truncated = ended.item(), over.item()
         info: dict[str, Any] = {}
-        if terminated or (truncated and self.world.storage.array["steps"].item() == single.limit):
+        if terminated or (truncated and self.world.storage.array["steps"].item() == self._limit):
             info = self.metrics()
             self._ready = not terminated
         if self.render_mode == "human":
             self.render()
-        return obs, single.reward.item(), terminated, self._restored and truncated, info
+        return obs[0].copy(), rewards.item(), terminated, self._restored and truncated, info
 
     @property
     def engine(self) -> str:
@@ -100,7 +99,7 @@ class ScalarEnv(gym.Env[np.ndarray, np.ndarray]):
         An environment does not see a time limit that `gym.make(..., max_episode_steps=n)` lays over the registered
         one; ask for the metrics here then.
         """
-        return {name: values[0].item() for name, values in self.world.metrics(np.zeros(1, np.intp)).items()}
+        return {name: values[0].item() for name, values in self.world.metrics(self._row).items()}
 
     def get_state(self) -> np.void:
         """A copy of the record: with it and the actions, the episode replays to the same bytes."""
@@ -112,7 +111,7 @@ class ScalarEnv(gym.Env[np.ndarray, np.ndarray]):
         A TimeLimit wrapper counts from its own last reset; a restored episode is truncated by the environment
         itself, when the record has made the registered number of steps.
         """
-        self.world.load(state, np.zeros(1, np.intp))
+        self.world.load(state, self._row)
         self._ready = self._restored = True
 
     def render(self) -> Any:

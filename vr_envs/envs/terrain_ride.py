@@ -5,13 +5,12 @@ from __future__ import annotations
 import dataclasses
 from typing import Any
 
-import numpy as np
-
 from vr_envs.envs.batch import BatchEnv
 from vr_envs.envs.scalar import ScalarEnv
 from vr_envs.envs.scene import Scene
 from vr_envs.envs.task import Lockstep, Metrics, Task
 from vr_envs.envs.terrain_ride_engines import ENGINES
+from vr_envs.envs.terrain_ride_metrics import metrics
 from vr_envs.envs.terrain_ride_observation import (
     Preview,
     SensorNoise,
@@ -26,7 +25,6 @@ from vr_envs.models.jit import kernel
 from vr_envs.models.lanes import where
 from vr_envs.models.noise import uniform
 from vr_envs.models.record import quantity
-from vr_envs.models.ride_meter import readings
 from vr_envs.models.ride_options import ActuatorLag, Cruise, Payload, Textbook, Tyre
 from vr_envs.models.road import start_road
 from vr_envs.models.road_options import Bumps, Obstacle, Profile, Road, Wheel
@@ -124,36 +122,6 @@ def outcome(
         reward = where((state.side != 0.0) | (state.touches > 0), 0.0, reward)
         ended = ended | (abs(state.travel) > stop.travel + stop.crush)
     return where(state.fault != 0, 0.0, reward), ended
-
-
-def metrics(states: np.ndarray, scene: Scene) -> dict[str, np.ndarray]:
-    """Domain metrics of episodes, one value per record; those that matter most in the scene come first.
-
-    Those of `ride_meter.readings`, and stop_hits: times that a stop was touched; mean_speed_m_s; lateness_m: distance
-    behind the schedule at the end, 0 where it is kept or where there is none; fault: a search for a contact did not
-    end; is_success: no hit and no fault, weighted acceleration and travel below the values that halve the reward.
-    """
-    seconds = np.maximum(states["steps"], 1) * scene.params.dt
-    found = readings(states, seconds)
-    found["stop_hits"] = states["hits"].copy()
-    found["mean_speed_m_s"] = np.full(len(states), scene.params.speed)
-    found["lateness_m"] = np.zeros(len(states))
-    cruise = scene.options["cruise"]
-    if cruise is not None:
-        found["mean_speed_m_s"] = states["distance"] / seconds
-        found["lateness_m"] = np.maximum(0.0, cruise.schedule * seconds - states["distance"])
-    found["fault"] = states["fault"] != 0
-    acceleration, travel = found["acceleration_rms_m_s2"], 1e-3 * found["travel_rms_mm"]
-    calm = (acceleration < scene.params.comfort) & (travel < scene.params.rattle)
-    third = (
-        "lateness_m" if cruise is not None else "travel_peak_mm" if scene.options["tyre"] is None else "tyre_load_rms"
-    )
-    first = ("acceleration_rms_m_s2", "travel_rms_mm", third, "stop_hits")
-    return {
-        "is_success": calm & (states["hits"] == 0) & ~found["fault"],
-        **{name: found[name] for name in first},
-        **found,
-    }
 
 
 def _lockstep_possible(scene: Scene) -> bool:
@@ -294,8 +262,9 @@ class TerrainRideEnv(ScalarEnv):
       damping of the mass's own velocity as its factor k_d has it, no stop, payload, lag, preview or sensor error); or
       a dict of overrides: the fields of `vr_envs.models.terrain_ride.Params`, and the options `undulation` (sines),
       `road` (`iso_class` "A" to "H" or "flat"), `profile` (heights, or the path of a CSV file), `bumps`, `obstacle`,
-      `wheel` (of finite radius), `tyre`, `stop`, `payload`, `lag`, `cruise`, `preview` and `noise`, each null, true or
-      a dict of its fields. docs/terrain_ride.md says what they are and which exclude each other.
+      `wheel` (of finite radius), `tyre`, `stop`, `payload`, `lag`, `cruise`, `preview`, `noise` and `metrics` (without
+      it `info` stays empty), each null, true or a dict of its fields. docs/terrain_ride.md says what they are and which
+      exclude each other.
     - `engine`: "exact" (default), "textbook" (the lecture's recurrence; it knows the lecture's vehicle alone), or
       "rigid_body" (Chipmunk bodies; not in a batch).
     - `render_mode`: None, "rgb_array" or "human".

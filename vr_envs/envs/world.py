@@ -13,10 +13,11 @@ from typing import Any
 import numpy as np
 from gymnasium.spaces import Box
 
-from vr_envs.envs.rows import admit, in_lockstep, row_records, rows_of
+from vr_envs.envs.rows import admit, in_lockstep, rows_of
 from vr_envs.envs.scene import Scene, resolve
 from vr_envs.envs.storage import Blocks, Plain, Storage
 from vr_envs.envs.task import Channel, Task
+from vr_envs.envs.workspace import Results, Workspace
 from vr_envs.models.record import dtype_of
 
 NO_LIMIT = np.iinfo(np.int64).max  # control intervals
@@ -56,12 +57,18 @@ class World:
         simulated = self.simulator is not None
         lockstep = not simulated and in_lockstep(task, self.scene, n)
         self.rows = rows_of(task, simulated, lockstep)
-        self.storage: Storage = Blocks(dtype_of(task.state), n) if lockstep else Plain(dtype_of(task.state), n)
-        self._count, self._blank = n, np.zeros(1, self.storage.dtype)
+        self._kept = Blocks if lockstep else Plain
+        self.storage: Storage = self._kept(dtype_of(task.state), n)
+        self.count, self._blank = n, np.zeros(1, self.storage.dtype)
         self.observation_space = box(task.observation_channels(self.scene))
         self.action_space = box(task.action_channels(self.scene))
         self.widths = (self.observation_space.shape[0], self.action_space.shape[0])
         self._compiled = False
+        self._workspace: Workspace | None = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What a copy is made from: the workspace is bound to these records."""
+        return {**self.__dict__, "_workspace": None}
 
     def compile(self) -> None:
         """Compile the kernels, or load them from the cache; a word on stderr if that takes longer than two seconds."""
@@ -72,7 +79,7 @@ class World:
         timer.start()
         try:
             scratch = copy.copy(self)
-            scratch.storage, scratch._count, scratch._compiled = type(self.storage)(self.storage.dtype, 1), 1, True
+            scratch.storage, scratch.count, scratch._compiled = self._kept(self.storage.dtype, 1), 1, True
             scratch.reset(np.zeros(1, np.intp), np.zeros(1, np.uint64), scratch.observe())
             scratch.step(np.zeros((1, self.widths[1])), np.ones(1, np.bool_), 1)
         finally:
@@ -87,23 +94,19 @@ class World:
             raise ValueError(f"action {given!r} is not an array of numbers; give shape {shape}") from error
         if actions.shape != shape:
             raise ValueError(f"action has shape {actions.shape}; give {shape}, each entry in [-1, 1]")
-        return actions.reshape(self._count, self.widths[1])
+        return actions.reshape(self.count, self.widths[1])
 
-    def step(self, actions: np.ndarray, live: np.ndarray, limit: int) -> tuple[np.ndarray, ...]:
+    def step(self, actions: np.ndarray, live: np.ndarray, limit: int) -> Results:
         """Move the live rows; returns fresh (observations, rewards, terminated, truncated)."""
-        n = self._count
-        obs = np.empty((n, self.widths[0]), np.float32)
-        rewards = np.zeros(n)
-        terminated, truncated = np.zeros(n, np.bool_), np.zeros(n, np.bool_)
-        acts, seen = row_records(actions), row_records(obs)
-        if self.simulator is not None:
-            self.simulate(acts, live)
-        bad = self.rows.step(
-            self.storage.array, acts, live, limit, seen, rewards, terminated, truncated, self.params, self.options
-        )
-        if bad >= 0:
-            raise refused(bad, actions)
-        return obs, rewards, terminated, truncated
+        workspace = self.workspace(limit)
+        workspace.actions[...] = actions
+        return workspace.step(live)
+
+    def workspace(self, limit: int) -> Workspace:
+        """What steps the rows, with episodes of `limit` control intervals; the same one until the limit changes."""
+        if self._workspace is None or self._workspace.limit != limit:
+            self._workspace = Workspace(self, limit)
+        return self._workspace
 
     def simulate(self, acts: np.ndarray, live: np.ndarray) -> None:
         """Let the simulator move the live rows, unless an action is not finite; `acts` are `row_records`."""
@@ -124,7 +127,7 @@ class World:
 
     def copy(self) -> np.ndarray:
         """A copy of the records."""
-        return self.storage.read(np.arange(self._count))
+        return self.storage.read(np.arange(self.count))
 
     def load(self, states: Any, rows: np.ndarray) -> None:
         """Overwrite the given rows with saved records, after checking them."""
@@ -145,7 +148,7 @@ class World:
 
     def observe(self) -> np.ndarray:
         """Fresh observations of all rows."""
-        obs = np.empty((self._count, self.widths[0]), np.float32)
+        obs = np.empty((self.count, self.widths[0]), np.float32)
         self.rows.observe(self.storage.array, obs, self.params, self.options)
         return obs
 
@@ -154,11 +157,6 @@ class World:
         if not self.scene.judged:
             return {}
         return dict(self.task.metrics(self.storage.read(rows), self.scene))
-
-
-def refused(row: int, actions: np.ndarray) -> ValueError:
-    """The error for a row of the actions that is not finite."""
-    return ValueError(f"action of env {row} is {actions[row]}; every entry must be finite. Nothing was stepped")
 
 
 def scenario_keys(options: Mapping[str, Any] | None, n: int) -> np.ndarray | None:

@@ -9,14 +9,11 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from vr_envs.models.elementary import cos_sin
 from vr_envs.models.jit import kernel
 from vr_envs.models.lag import clamped_lag, ramp_time
 from vr_envs.models.lanes import any_lane, where
-
-_POINTS, _WEIGHTS = (tuple(float(v) for v in half) for half in np.polynomial.legendre.leggauss(10))
+from vr_envs.models.quadrature import integral, points
 
 
 def _bessel_series(order: int, terms: int) -> tuple[float, ...]:
@@ -69,19 +66,18 @@ def turn_with_lags(state, acceleration, turn_rate, turn_slew, duration, lags):  
     first = min(duration, ramp_time(state.acceleration, acceleration, lags.along, lags.jerk))
     second = min(duration, ramp_time(state.turn_rate, turn_rate, lags.turn, turn_slew))
     ground_speed = state.speed - state.gust_along
-    # decays per second and radians per second: a panel spans at most one of either
-    pace = max(1.0 / lags.along, 1.0 / lags.turn, abs(state.turn_rate), abs(turn_rate))
+    # decays and radians per second, together: a panel spans at most one
+    pace = 1.0 / lags.along + 1.0 / lags.turn + max(abs(state.turn_rate), abs(turn_rate))
     begin = 0.0
     for piece in range(3):
         end = duration if piece == 2 else (max(first, second) if piece else min(first, second))
         panels = math.ceil((end - begin) * pace)
         for panel in range(panels):
-            half = 0.5 * (end - begin) / panels
-            for point, weight in zip(_POINTS, _WEIGHTS):  # noqa: B905 (numba knows no strict)
-                time = begin + half * (2 * panel + 1 + point)
-                _, gain = clamped_lag(state.acceleration, acceleration, lags.along, lags.jerk, time)
-                _, turned = clamped_lag(state.turn_rate, turn_rate, lags.turn, turn_slew, time)
-                cosine, sine = cos_sin(state.heading + turned)
-                state.x += weight * half * (ground_speed + gain) * sine
-                state.z += weight * half * (ground_speed + gain) * cosine
+            length = (end - begin) / panels
+            time = points(begin + length * panel, length)
+            _, gain = clamped_lag(state.acceleration, acceleration, lags.along, lags.jerk, time)
+            _, turned = clamped_lag(state.turn_rate, turn_rate, lags.turn, turn_slew, time)
+            cosine, sine = cos_sin(state.heading + turned)
+            state.x += integral((ground_speed + gain) * sine, length)
+            state.z += integral((ground_speed + gain) * cosine, length)
         begin = end

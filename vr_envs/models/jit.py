@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import numba
+import numba.extending
 from numba.core.caching import FunctionCache, IndexDataCacheFile
 
 PACKAGE = Path(__file__).resolve().parent.parent
@@ -36,6 +37,22 @@ def _folder_stamp(folder: Path) -> str:
         digest.update(path.name.encode())
         digest.update(path.read_bytes())
     return digest.hexdigest()
+
+
+@cache
+def _file_stamp(path: str) -> str:
+    """Hash of a file's text; of nothing where there is no such file."""
+    return hashlib.sha256(Path(path).read_bytes() if Path(path).exists() else b"").hexdigest()
+
+
+def _closed_over(function: Any) -> tuple[str, ...]:
+    """The kernels that a function closes over, and those that they close over: names, and stamps of their files."""
+    found: tuple[str, ...] = ()
+    for cell in function.__closure__ or ():
+        inner = cell.cell_contents.py_func
+        name = f"{inner.__module__}.{inner.__qualname__} {_file_stamp(inner.__code__.co_filename)}"
+        found += (name, *_closed_over(inner))
+    return found
 
 
 class _CacheFile(IndexDataCacheFile):
@@ -62,9 +79,7 @@ class _KernelCache(FunctionCache):
         )
 
     def _index_key(self, sig: Any, codegen: Any) -> tuple[Any, ...]:
-        cells = self._py_func.__closure__ or ()
-        inner = tuple(f"{c.cell_contents.py_func.__module__}.{c.cell_contents.py_func.__qualname__}" for c in cells)
-        return (sig, codegen.magic_tuple(), inner)
+        return (sig, codegen.magic_tuple(), _closed_over(self._py_func))
 
 
 def kernel(function: Any) -> Any:
@@ -78,6 +93,11 @@ def kernel(function: Any) -> Any:
     except RuntimeError:  # no folder can be written: neither the package's nor the user's cache
         warnings.warn("vr_envs: no writable folder for compiled kernels; set NUMBA_CACHE_DIR to one", stacklevel=2)
     return dispatcher
+
+
+def intrinsic(function: Any) -> Any:
+    """Numba's decorator of that name; callers do not give the typing context, and are not told to."""
+    return numba.extending.intrinsic(function)
 
 
 @cache

@@ -1,9 +1,9 @@
 """Records whose fields lie side by side, eight records to a block: what lanes read in one go.
 
 In a *block* field f of the records 0 to 7 follows field e of the records 0 to 7, so that `state.speed` of a block is
-one load of a vector. A block has the size of eight records; `read_records` and `write_records` go from
-one to the other. `block_at(blocks, b)` is to a kernel what `states[i]` is, for eight records; `lane(block, k)` is record k
-in it as a plain one.
+one load of a vector. A block has the size of eight records; `read_records` and `write_records` go from one to the
+other. `block_at(blocks, b)` is to a kernel what `states[i]` is, for eight records; `lane(block, k)` is record k in it
+as a plain one.
 """
 
 from __future__ import annotations
@@ -14,14 +14,17 @@ from typing import Any
 import numpy as np
 from llvmlite import ir
 from numba import types
+from numba.core import cgutils
 from numba.core.datamodel import models
 from numba.core.imputils import lower_getattr_generic, lower_setattr_generic
 from numba.core.typing.templates import AbstractTemplate, AttributeTemplate, infer_getattr, infer_global, signature
-from numba.extending import intrinsic, lower_builtin, overload, register_model
+from numba.extending import lower_builtin, overload, register_model
 
+from vr_envs.models.jit import intrinsic
 from vr_envs.models.lanes import INT, WIDTH, Lanes, common_type
 
 _I8, _I32 = ir.IntType(8), ir.IntType(32)
+_register: Any = infer_global  # Numba does not say what it returns
 _FIELD = "lanes"
 
 
@@ -143,50 +146,60 @@ def _read_shape(context: Any, builder: Any, kind: SideArray, value: Any, name: s
     return context.get_constant_generic(builder, types.UniTuple(types.intp, len(kind.shape)), kind.shape)
 
 
-def _is_index(kind: types.Type, index: types.Type) -> bool:
+def _is_index(kind: Any, index: Any) -> bool:
     """Whether an array field can be indexed so: by an integer, or by as many as it has axes."""
     if not isinstance(kind, SideArray):
         return False
     if isinstance(index, types.Integer):
         return len(kind.shape) == 1
     return (
-        isinstance(index, types.BaseTuple)
+        isinstance(index, types.Tuple | types.UniTuple)
         and len(index) == len(kind.shape)
-        and all(isinstance(t, types.Integer) for t in index)
+        and all(isinstance(number, types.Integer) for number in index.types)
     )
 
 
-@infer_global(operator.getitem)
+@_register(operator.getitem)
 class _GetElement(AbstractTemplate):
     def generic(self, args: Any, kws: Any) -> Any:
         kind, index = args
         return signature(_value_type(kind.dtype, kind.lanes), kind, index) if _is_index(kind, index) else None
 
 
-@infer_global(operator.getitem)
+@_register(operator.getitem)
 class _GetElements(AbstractTemplate):
     """In each record the element whose number stands in its lane."""
 
     def generic(self, args: Any, kws: Any) -> Any:
         kind, index = args
-        if isinstance(kind, SideArray) and kind.lanes and len(kind.shape) == 1 and index == INT:
-            return signature(_value_type(kind.dtype, True), kind, index)
-        return None
+        if not isinstance(kind, SideArray) or not kind.lanes or len(kind.shape) != 1 or index != INT:
+            return None
+        return signature(_value_type(kind.dtype, True), kind, index)
 
 
 @lower_builtin(operator.getitem, SideArray, Lanes)
 def _gather(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    i64 = ir.IntType(64)
     element = context.get_data_type(sig.args[0].dtype)
-    first = builder.bitcast(args[0], element.as_pointer())
-    found = ir.Constant(ir.VectorType(element, WIDTH), ir.Undefined)
-    for k in range(WIDTH):
-        number = builder.mul(builder.extract_element(args[1], ir.Constant(_I32, k)), ir.Constant(ir.IntType(64), WIDTH))
-        one = builder.load(builder.gep(first, [builder.add(number, ir.Constant(number.type, k))]))
-        found = builder.insert_element(found, one, ir.Constant(_I32, k))
-    return found
+    numbers, vector, truths = (ir.VectorType(t, WIDTH) for t in (i64, element, ir.IntType(1)))
+    pointers = ir.VectorType(element.as_pointer(), WIDTH)
+    first = builder.insert_element(
+        ir.Constant(numbers, ir.Undefined), builder.ptrtoint(args[0], i64), ir.Constant(_I32, 0)
+    )
+    first = builder.shuffle_vector(first, first, ir.Constant(ir.VectorType(_I32, WIDTH), [0] * WIDTH))
+    ahead = builder.mul(args[1], ir.Constant(numbers, [8 * WIDTH] * WIDTH))
+    own = ir.Constant(numbers, [8 * k for k in range(WIDTH)])
+    places = builder.inttoptr(builder.add(first, builder.add(ahead, own)), pointers)
+    gather = cgutils.get_or_insert_function(
+        builder.module,
+        ir.FunctionType(vector, [pointers, _I32, truths, vector]),
+        f"llvm.masked.gather.v{WIDTH}{'f' if sig.args[0].dtype == types.float64 else 'i'}64.v{WIDTH}p0",
+    )
+    everywhere, blank = ir.Constant(truths, [True] * WIDTH), ir.Constant(vector, ir.Undefined)
+    return builder.call(gather, [places, ir.Constant(_I32, 8), everywhere, blank])
 
 
-@infer_global(operator.setitem)
+@_register(operator.setitem)
 class _SetElement(AbstractTemplate):
     def generic(self, args: Any, kws: Any) -> Any:
         kind, index, _ = args

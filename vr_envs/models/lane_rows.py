@@ -7,8 +7,8 @@ from typing import Any
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
-from numba.extending import intrinsic
 
+from vr_envs.models.jit import intrinsic
 from vr_envs.models.lane_records import SideArray
 from vr_envs.models.lanes import BOOL, FLOAT, WIDTH
 

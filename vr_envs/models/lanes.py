@@ -22,12 +22,15 @@ from numba import types
 from numba.core import cgutils
 from numba.core.datamodel import models
 from numba.core.errors import TypingError
-from numba.core.typeconv import Conversion
+from numba.core.typeconv.castgraph import Conversion
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
-from numba.extending import intrinsic, lower_builtin, lower_cast, register_model
+from numba.extending import lower_builtin, lower_cast, register_model
+
+from vr_envs.models.jit import intrinsic
 
 WIDTH = 8
 _I32 = ir.IntType(32)
+_register: Any = infer_global  # Numba does not say what it returns
 
 
 class Lanes(types.Type):
@@ -44,7 +47,7 @@ class Lanes(types.Type):
             return common_type((self, other))
         return None
 
-    def can_convert_from(self, typingctx: Any, other: types.Type) -> int | None:
+    def can_convert_from(self, typingctx: Any, other: types.Type) -> Conversion | None:
         """From a number, and from lanes that a number of this type would be made from."""
         if isinstance(other, types.Number | types.Boolean):
             return Conversion.safe
@@ -65,7 +68,7 @@ def scalar_of(given: types.Type) -> types.Type:
     if isinstance(given, types.Boolean):
         return types.boolean
     if isinstance(given, types.Integer):
-        return types.int64 if given.signed else types.uint64
+        return types.uint64 if given.name.startswith("u") else types.int64
     return types.float64
 
 
@@ -122,7 +125,7 @@ def _operation(function: Any, result: Lanes | None, build: dict[Any, Any], opera
             meet = operands or common_type(args)
             return signature(result or meet, *[meet] * len(args)) if meet.scalar in build else None
 
-    infer_global(function)(Template)
+    _register(function)(Template)
 
     def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         return build[sig.args[0].scalar](builder, *args)

@@ -53,6 +53,8 @@ def dtype_of(cls: type) -> np.dtype[Any]:
     fields = sorted((f for f in dataclasses.fields(cls) if _kind(f) != "str"), key=lambda f: f.name not in own)
     columns: list[Any] = [(f.name, _NUMPY_TYPES[_kind(f)], f.metadata["shape"]) for f in fields]
     columns += [(name, "f8") for name in getattr(cls, "DERIVED", ())]
+    if not columns:  # a record of no bytes has no address once it has been pickled
+        return np.dtype({"names": [], "formats": [], "itemsize": 8})
     return np.dtype(columns, align=True)
 
 

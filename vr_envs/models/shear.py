@@ -10,36 +10,19 @@ At low speed: an aircraft that has come to a standstill in the air is no longer 
 state); from the next renewal of the limits at which it moves, it is again. The wind carries it all the time.
 
 Right-hand sides depend on time alone: with rates that follow at once there are closed forms, with lagging ones
-Gauss-Legendre panels; the track's integral over the airspeed's integral uses the panels' collocation matrix.
+panels of `quadrature`; the track's integral over the airspeed's integral needs its running integral.
 """
 
 from __future__ import annotations
 
 import math
 
-import numpy as np
-
+from vr_envs.models.elementary import cos_sin
 from vr_envs.models.ground_track import spherical_bessel
 from vr_envs.models.jit import kernel
 from vr_envs.models.lag import clamped_lag, ramp_time
+from vr_envs.models.quadrature import integral, points, running_integral
 from vr_envs.models.wind import drift
-
-_NODES = 5
-# panels per decay or radian; the error of a panel is below rounding for the fastest motions that options allow
-_PANELS = 3.0
-
-
-def _collocation() -> tuple[tuple[float, ...], tuple[float, ...], tuple[tuple[float, ...], ...]]:
-    """Nodes and weights of Gauss-Legendre on [0, 1], and integrals of the nodes' Lagrange polynomials up to each."""
-    points, weights = np.polynomial.legendre.leggauss(_NODES)
-    powers = np.vander(points, increasing=True)
-    orders = np.arange(1, _NODES + 1)
-    integrals = (points[:, None] ** orders - (-1.0) ** orders) / orders @ np.linalg.inv(powers)
-    rows = tuple(tuple(float(v) for v in row) for row in 0.5 * integrals)
-    return tuple(float(v) for v in 0.5 * (points + 1.0)), tuple(float(v) for v in 0.5 * weights), rows
-
-
-_POINTS, _WEIGHTS, _MATRIX = _collocation()
 
 
 @kernel
@@ -49,7 +32,8 @@ def shear_rate(state, vertical_speed, turn_rate, turn_slew, time, lags, shear): 
     if lags is not None:
         climb, _ = clamped_lag(state.vertical_speed, vertical_speed, lags.vertical, lags.vertical_slew, time)
         _, turned = clamped_lag(state.turn_rate, turn_rate, lags.turn, turn_slew, time)
-    return state.sheared * shear.gradient * climb * math.cos(state.heading + turned - shear.origin)
+    cosine, _ = cos_sin(state.heading + turned - shear.origin)
+    return state.sheared * shear.gradient * climb * cosine
 
 
 @kernel
@@ -81,18 +65,15 @@ def shear_gain(state, vertical_speed, turn_rate, turn_slew, begin, end, lags, sh
         return 2.0 * half * j0 * state.sheared * shear.gradient * vertical_speed * math.cos(middle)
     climbing = ramp_time(state.vertical_speed, vertical_speed, lags.vertical, lags.vertical_slew)
     turning = ramp_time(state.turn_rate, turn_rate, lags.turn, turn_slew)
-    pace = _PANELS * max(1.0 / lags.vertical, 1.0 / lags.turn, abs(state.turn_rate), abs(turn_rate))
+    pace = 1.0 / lags.vertical + 1.0 / lags.turn + max(abs(state.turn_rate), abs(turn_rate))
     gain = 0.0
     while begin < end:
         corner = _next_corner(begin, end, climbing, turning, turning)
         panels = math.ceil((corner - begin) * pace)
         length = (corner - begin) / panels
         for panel in range(panels):
-            for point, weight in zip(_POINTS, _WEIGHTS):  # noqa: B905 (numba knows no strict)
-                time = begin + length * (panel + point)
-                gain += weight * length * shear_rate(
-                    state, vertical_speed, turn_rate, turn_slew, time, lags, shear
-                )  # fmt: skip
+            time = points(begin + length * panel, length)
+            gain += integral(shear_rate(state, vertical_speed, turn_rate, turn_slew, time, lags, shear), length)
         begin = corner
     return gain
 
@@ -137,7 +118,7 @@ def _instant(state, commands, time, lags, growth):  # type: ignore[no-untyped-de
     climb, rise = clamped_lag(state.vertical_speed, vertical_speed, lags.vertical, lags.vertical_slew, time)
     _, gain = clamped_lag(state.acceleration, acceleration, lags.along, lags.jerk, time)
     _, turned = clamped_lag(state.turn_rate, turn_rate, lags.turn, turn_slew, time)
-    sine, cosine = math.sin(state.heading + turned), math.cos(state.heading + turned)
+    cosine, sine = cos_sin(state.heading + turned)
     return climb * (sine * growth[0] + cosine * growth[1]), sine, cosine, gain, rise
 
 
@@ -150,8 +131,8 @@ def lagging_track_in_shear(state, vertical_speed, acceleration, turn_rate, turn_
     climbing = ramp_time(state.vertical_speed, vertical_speed, lags.vertical, lags.vertical_slew)
     speeding = ramp_time(state.acceleration, acceleration, lags.along, lags.jerk)
     turning = ramp_time(state.turn_rate, turn_rate, lags.turn, turn_slew)
-    fastest = max(1.0 / lags.vertical, 1.0 / lags.along, 1.0 / lags.turn)
-    pace = _PANELS * max(fastest, abs(state.turn_rate), abs(turn_rate))
+    decays = 1.0 / lags.vertical + 1.0 / lags.along + 1.0 / lags.turn
+    pace = decays + max(abs(state.turn_rate), abs(turn_rate))
     ground_speed = state.speed - state.gust_along
     commands = (vertical_speed, acceleration, turn_rate, turn_slew)
     gradient = state.sheared * shear.gradient
@@ -162,24 +143,13 @@ def lagging_track_in_shear(state, vertical_speed, acceleration, turn_rate, turn_
         panels = math.ceil((corner - begin) * pace)
         length = (corner - begin) / panels
         for panel in range(panels):
-            first = begin + length * panel
-            instants = (
-                _instant(state, commands, first + length * _POINTS[0], lags, growth),
-                _instant(state, commands, first + length * _POINTS[1], lags, growth),
-                _instant(state, commands, first + length * _POINTS[2], lags, growth),
-                _instant(state, commands, first + length * _POINTS[3], lags, growth),
-                _instant(state, commands, first + length * _POINTS[4], lags, growth),
-            )
-            before = gained
-            for instant, weight, row in zip(instants, _WEIGHTS, _MATRIX):  # noqa: B905 (numba knows no strict)
-                sheared = before
-                for other, share in zip(instants, row):  # noqa: B905
-                    sheared += length * share * other[0]
-                _, sine, cosine, gain, rise = instant
-                state.x += weight * length * (ground_speed + gain + sheared) * sine
-                state.z += weight * length * (ground_speed + gain + sheared) * cosine
-                air += weight * length * (state.altitude + rise)
-                gained += weight * length * instant[0]
+            time = points(begin + length * panel, length)
+            rate, sine, cosine, gain, rise = _instant(state, commands, time, lags, growth)
+            airspeed = ground_speed + gain + (gained + running_integral(rate, length))
+            state.x += integral(airspeed * sine, length)
+            state.z += integral(airspeed * cosine, length)
+            air += integral(state.altitude + rise, length)
+            gained += integral(rate, length)
         begin = corner
     drift(state, shear.origin, shear.gradient * air)
     return gained

@@ -3,8 +3,8 @@
 Frame: heights up. zeta is the height of the mass above its levelled static equilibrium, r the height of the terrain
 under the wheel, u = zeta - r the travel of the spring (> 0: extended). Gravity has gone into the equilibrium, and the
 spring is levelled there: changing its modulus while it runs does not lift the mass. What happens between wheel, mass
-and ground is in `follower` and, with the option `tyre`, in `quarter_car`; here is what both share: actuators, the
-road's pieces, the forward speed, and ticks.
+and ground is in `follower` and, with the option `tyre`, in `quarter_car`. What both share is in `ride_pieces`: the
+road's pieces and the forward speed; and here: actuators and ticks.
 
 Actuators, and what is measured, belong to ticks of 0.01 s, whatever the control interval is. Between them the ride is
 exact over any time, so a whole ride has no integration error and does not depend on how it is split.
@@ -16,18 +16,17 @@ import dataclasses
 import math
 
 from vr_envs.models.clock import MEET, left_after, piece_of, to_next_tick
-from vr_envs.models.cruise import acceleration_to, commanded_speed, time_to_cover
+from vr_envs.models.cruise import commanded_speed
 from vr_envs.models.elementary import exp
-from vr_envs.models.follower import follow, over_sines, steady_answers
 from vr_envs.models.jit import kernel
-from vr_envs.models.lanes import any_lane, where
-from vr_envs.models.quarter_car import drive, settle
+from vr_envs.models.quarter_car import settle
 from vr_envs.models.record import quantity
 from vr_envs.models.ride_meter import MeterState, sample
 from vr_envs.models.ride_options import TICK
+from vr_envs.models.ride_pieces import ride
 from vr_envs.models.ride_textbook import drift, kick, step_of
-from vr_envs.models.road import RoadState, pass_knot, slope_of_road
-from vr_envs.models.terrain import WAVES, roll_undulation
+from vr_envs.models.road import RoadState
+from vr_envs.models.terrain import WAVES
 
 
 @dataclasses.dataclass(frozen=True)
@@ -171,63 +170,6 @@ def rest(state, params, tyre):
 
 
 @kernel
-def ride(
-    state, t, gamma, w2, force, target, params, undulation, road, profile, bumps, obstacle, wheel, tyre, stop, cruise
-):
-    """Ride for the time t [s] with constant damping, spring, force and `target` of the speed [m/s], exactly.
-
-    The road's knots and the instant at which the speed is reached divide it. Without a tyre, sines exclude a stop,
-    and a change of speed excludes sines and absolute damping.
-    """
-    if tyre is None:
-        if undulation is not None:  # travel and velocity are from here on those beside the steady ride
-            answers = steady_answers(gamma, w2, params, undulation)
-            travel, velocity = over_sines(state, answers)
-            state.travel -= travel
-            state.velocity -= velocity
-    left, speed, acceleration = t, params.speed, 0.0
-    while any_lane(left > 0.0):
-        moves, piece, slope, passes, arrives = left > 0.0, left, 0.0, False, False
-        if cruise is not None:
-            speed = state.speed
-            acceleration, time = acceleration_to(speed, target, cruise)
-            if time <= piece:
-                piece, arrives = time, True
-        if road is not None:
-            slope, time = slope_of_road(state, road), state.to_knot / speed
-            if cruise is not None:
-                time = time_to_cover(state.to_knot, speed, acceleration)
-            passes = moves & (time <= piece)
-            if cruise is not None:
-                arrives = arrives and (not passes or time == piece)
-            piece = where(passes, time, piece)
-        way = speed * piece
-        if cruise is not None:
-            way += 0.5 * acceleration * piece * piece
-            state.speed = target if arrives else speed + acceleration * piece
-        if tyre is None:
-            follow(
-                state, moves, piece, gamma, w2, force + state.payload,
-                slope, speed, acceleration, params, stop, cruise,
-            )  # fmt: skip
-            if undulation is not None:
-                roll_undulation(state, way, undulation)
-        else:
-            drive(state, piece, gamma, w2, force, slope, speed, acceleration, params, undulation, tyre, stop)
-        if road is not None:
-            state.to_knot = max(0.0, state.to_knot - way)
-            if any_lane(passes):
-                pass_knot(state, passes, road, profile, bumps, obstacle, wheel)
-        state.distance += way
-        left -= piece
-    if tyre is None:
-        if undulation is not None:
-            travel, velocity = over_sines(state, answers)
-            state.travel += travel
-            state.velocity += velocity
-
-
-@kernel
 def begin_tick(state, action, lag, cruise):
     """What is fixed for a tick: the mean positions of actuators that lag, and where its means are taken from."""
     state.time_to_tick = TICK
@@ -275,25 +217,15 @@ def advance_evenly(state, action, params, undulation, road, profile, bumps, obst
 def advance(
     state, action, params, undulation, road, profile, bumps, obstacle, wheel, tyre, stop, lag, cruise, textbook, metrics
 ):
-    """Move by one control interval; `action` in [-1, 1]: damping and modulus (logarithmic), or the force; the speed.
+    """Move by one control interval, from tick to tick.
 
-    Actuators that lag move at the ticks, others at once; the speed is an action with `cruise`.
+    `action` in [-1, 1]: damping and modulus (logarithmic), or the force; then the speed, an action with `cruise`.
+    Actuators that lag move at the ticks, others at once.
     """
     if tyre is None and cruise is None and textbook is None:
         if even(state, params):
             advance_evenly(state, action, params, undulation, road, profile, bumps, obstacle, wheel, stop, lag, metrics)
             return
-    _advance_in_pieces(
-        state, action, params,
-        undulation, road, profile, bumps, obstacle, wheel, tyre, stop, lag, cruise, textbook, metrics,
-    )  # fmt: skip
-
-
-@kernel
-def _advance_in_pieces(
-    state, action, params, undulation, road, profile, bumps, obstacle, wheel, tyre, stop, lag, cruise, textbook, metrics
-):
-    """`advance` from tick to tick, whatever the interval is."""
     state.touches = 0
     if lag is None:
         actuate(state, action, lag, cruise)

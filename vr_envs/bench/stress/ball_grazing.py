@@ -13,7 +13,7 @@ import numpy as np
 
 from vr_envs.bench.stress.ball_gap import Course, deepest, gap, launched, place
 from vr_envs.bench.stress.clock import thread_time
-from vr_envs.bench.stress.trial import BINS, CASE, Outcome, note_time
+from vr_envs.bench.stress.trial import CASE, Outcome, note_time
 from vr_envs.models.bar import Piece, bounds, frame_at
 from vr_envs.models.flight import BOUNCED, flight
 from vr_envs.models.jit import kernel

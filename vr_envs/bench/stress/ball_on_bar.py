@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from vr_envs.bench.stress.ball_walk import CONSTANT, CORNERS, UNIFORM, Settings, Walk, judge
-from vr_envs.bench.stress.trial import Outcome, Trial
+from vr_envs.bench.stress.trial import Outcome
 
 SYSTEM = "ball on a bar"
 _DEEPEST = "deepest passage through the bar (m)"

@@ -25,7 +25,7 @@ def _wrap(xp: Any, angle: Any) -> Any:
 
 
 class AutopilotArrays:
-    """`start(keys)` and `step(state, actions)` of the autopilot in its lecture scene, with episodes of `limit` steps."""
+    """`start(keys)` and `step(state, actions)` of the autopilot in its lecture scene, in episodes of `limit` steps."""
 
     def __init__(self, arrays: Arrays, scene: Scene, limit: int) -> None:
         """For a scene with ground track and random demands alone, in which no aircraft comes to a standstill.

@@ -1,34 +1,54 @@
-"""The bouncing ball in 40 digits, written from the equations of motion alone: shares no formula with the kernels.
+"""The bouncing ball to more than 30 digits, from the equations of motion alone: shares no formula with the kernels.
 
-Contacts are found by scanning the gap and bisecting, chatter is followed impact by impact until nothing is left of it,
+Contacts are found by scanning the gap and bracketing, chatter is followed impact by impact until nothing is left of it,
 and what the bar does is differentiated numerically. The scatter's draws are taken as given numbers.
 """
 
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
 import mpmath as mp
+import numpy as np
 
 GRID = 120  # samples of the gap per half cycle: flights here are transversal and many samples long
 NOTHING = mp.mpf(10) ** -26  # m/s: what is left of a chatter when the ball has come to rest
+DIGITS = 60
+APART = mp.mpf(10) ** -10  # s, between the samples of a difference quotient: its error is the fourth power of that
+
+Draws = Callable[[int], tuple[Any, Any]]
 
 
 class Reference:
-    def __init__(self, params, state, options=None, digits=40):
+    """A ball and what has happened to it.
+
+    `impacts`: (time in the cycle, x, z, approach velocity along the normal) of each; `releases`: (cycle, time in it).
+    """
+
+    def __init__(
+        self, params: np.void, state: np.void, options: Mapping[str, np.void | None] | None = None, digits: int = DIGITS
+    ) -> None:
+        """The ball of `state`, a record of the model, over a bar with these parameters and options."""
         mp.mp.dps = digits
-        self.p = {name: mp.mpf(float(params[name])) for name in params.dtype.names}
+        self.p = {name: mp.mpf(float(params[name])) for name in params.dtype.names or ()}
         self.o = {
-            k: None if o is None else {n: mp.mpf(float(o[n])) for n in o.dtype.names}
+            k: None if o is None else {n: mp.mpf(float(o[n])) for n in o.dtype.names or ()}
             for k, o in (options or {}).items()
         }
         self.x, self.z, self.u, self.w = (mp.mpf(float(state[k])) for k in ("x", "z", "u", "w"))
         self.spin = mp.mpf(float(state["spin"]))
         self.old = [mp.mpf(float(v)) for v in state["motion"]]
         self.number = int(state["steps"])
-        self.stuck = None  # place on the bar of a ball at rest
-        self.impacts, self.releases = [], []
+        self.stuck: Any = None  # place on the bar of a ball at rest
+        self.impacts: list[tuple[Any, ...]] = []
+        self.releases: list[tuple[int, Any]] = []
 
-    def option(self, name):
+    def option(self, name: str) -> Any:
+        """An option's values, or None."""
         return self.o.get(name)
 
-    def bar(self, new, s):
+    def bar(self, new: Sequence[Any], s: Any) -> list[Any]:
         """(x, tilt, z) of the bar at time s of the cycle."""
         w, blend = self.p["omega"], self.p["blend"] * self.p["period"]
         u = min(s / blend, mp.mpf(1))
@@ -48,17 +68,17 @@ class Reference:
         angles = [2 * mp.pi * r * self.number + r * w * s for r in ratios]
         return [m[2 * i] * mp.cos(a) + m[2 * i + 1] * mp.sin(a) for i, a in enumerate(angles)]
 
-    def rates(self, new, s, order=1):
-        h = mp.mpf(10) ** -(12 if order == 1 else 9)  # central difference: error h^2 of the scale
-        a, b, c = self.bar(new, s - h), self.bar(new, s), self.bar(new, s + h)
-        if order == 1:
-            return [(r - p) / (2 * h) for p, r in zip(a, c, strict=True)]
-        return [(p - 2 * q + r) / h**2 for p, q, r in zip(a, b, c, strict=True)]
+    def rates(self, new: Sequence[Any], s: Any, order: int = 1) -> list[Any]:
+        """First or second derivative of (x, tilt, z), by differences over five points."""
+        weights = {1: (1, -8, 0, 8, -1), 2: (-1, 16, -30, 16, -1)}[order]
+        places = [self.bar(new, s + k * APART) for k in (-2, -1, 0, 1, 2)]
+        return [mp.fdot(weights, axis) / (12 * APART**order) for axis in zip(*places, strict=True)]
 
-    def curvature(self):
+    def curvature(self) -> Any:
+        """Of the surface, 1/m."""
         return self.option("curve")["curvature"] if self.option("curve") else mp.mpf(0)
 
-    def gap(self, new, s, since):
+    def gap(self, new: Sequence[Any], s: Any, since: Any) -> Any:
         """Distance of the flying ball from the surface, along the bar's normal."""
         t = s - since
         bx, tilt, bz = self.bar(new, s)
@@ -67,9 +87,12 @@ class Reference:
         along, across = rx * mp.cos(tilt) - rz * mp.sin(tilt), rx * mp.sin(tilt) + rz * mp.cos(tilt)
         return across - self.curvature() * along**2 / 2
 
-    def cycle(self, new, draws=None):
-        """One base cycle; `draws(i)` gives restitution and normal deviation of impact i."""
-        new = [mp.mpf(float(v)) for v in new]
+    def cycle(self, motion: Sequence[float], draws: Draws | None = None) -> None:
+        """One base cycle in which the bar goes to `motion`.
+
+        `draws(i)`: restitution and deviation of the normal of impact i, in place of the mean ones.
+        """
+        new = [mp.mpf(float(v)) for v in motion]
         s, period, left = mp.mpf(0), self.p["period"], None
         grid = period / 2 / GRID
         while True:
@@ -88,7 +111,11 @@ class Reference:
                 self.fly(period - s)
                 break
             t = mp.findroot(
-                lambda t, s=s: self.gap(new, t, s), (a, b), solver="anderson", tol=mp.mpf(10) ** -70, verify=False
+                lambda t, s=s: self.gap(new, t, s),
+                (a, b),
+                solver="anderson",
+                tol=mp.mpf(10) ** (-2 * mp.mp.dps + 10),
+                verify=False,
             )
             self.fly(t - s)
             s = t
@@ -100,12 +127,13 @@ class Reference:
         self.old = new
         self.number += 1
 
-    def fly(self, t):
+    def fly(self, t: Any) -> None:
+        """Free fall for the time t."""
         self.x += self.u * t
         self.z += self.w * t - self.p["gravity"] * t * t / 2
         self.w -= self.p["gravity"] * t
 
-    def collide(self, new, s, draws):
+    def collide(self, new: Sequence[Any], s: Any, draws: Draws | None) -> Any:
         """One impact; returns the normal velocity with which the ball leaves."""
         (bx, tilt, bz), (vx, vt, vz) = self.bar(new, s), self.rates(new, s)
         rx, rz = self.x - bx, self.z - bz
@@ -132,16 +160,16 @@ class Reference:
             self.spin -= d_t / spin["inertia_ratio"]
         self.u += d_n * n[0] + d_t * t[0]
         self.w += d_n * n[1] + d_t * t[1]
-        self.impacts.append((s, self.x, self.z))
+        self.impacts.append((s, self.x, self.z, normal))
         return normal + d_n
 
-    def force(self, new, s):
+    def force(self, new: Sequence[Any], s: Any) -> Any:
         """Normal force per mass on the ball that sticks, along the normal of a flat bar."""
         tilt = self.bar(new, s)[1]
         ax, at, az = self.rates(new, s, 2)
         return ax * mp.sin(tilt) + (az + self.p["gravity"]) * mp.cos(tilt) - self.stuck * at
 
-    def carried(self, new, s):
+    def carried(self, new: Sequence[Any], s: Any) -> Any:
         """Carry a ball that sticks on a flat bar to its release or the end of the cycle; returns the time."""
         period = self.p["period"]
         step, t = period / 2 / GRID, s

@@ -87,3 +87,49 @@ def test_without_the_option_metrics_an_episode_ends_without_any(toy, monkeypatch
     assert env.step(action[0])[4] == {} and env.metrics() == {}
     infos = batch.step(action)[4]
     assert infos["final_info"] == {} and infos["_final_info"].all()
+
+
+def _step(batch, scale):
+    return batch.step(np.full(batch.action_space.shape, scale, np.float32))
+
+
+def test_results_that_somebody_holds_are_not_written_again(toy):
+    batch = gym.make_vec(toy, 3, vectorization_mode="vector_entry_point").unwrapped
+    batch.reset(seed=0)
+    kept, copies = [], []
+    for k in range(12):
+        results = _step(batch, 0.1 * k)[:4]
+        kept += [*results, results[0][1], memoryview(results[1])]  # a part, and what another library would hold
+        copies += [np.array(value) for value in kept[-6:]]
+    assert all(np.array_equal(value, copy) for value, copy in zip(kept, copies, strict=True))
+
+
+@pytest.mark.parametrize("held", range(4))
+def test_one_array_is_enough_to_hold_results(toy, held):
+    batch = gym.make_vec(toy, 3, vectorization_mode="vector_entry_point").unwrapped
+    batch.reset(seed=0)
+    first = _step(batch, 0.5)[held]
+    address = first.ctypes.data
+    others = [_step(batch, 0.5)[held].ctypes.data for _ in range(3)]
+    assert address not in others
+    assert len(set(others)) == 1, "what nobody holds is used again"
+
+
+def test_a_changed_shape_stays_with_its_owner(toy):
+    batch = gym.make_vec(toy, 4, vectorization_mode="vector_entry_point").unwrapped
+    batch.reset(seed=0)
+    obs = _step(batch, 0.5)[0]
+    obs.shape = (2, 2)
+    del obs
+    assert _step(batch, 0.5)[0].shape == (4, 1)
+
+
+def test_rows_that_do_not_move_have_zeros_for_results(toy):
+    world = gym.make_vec(toy, 3, vectorization_mode="vector_entry_point").unwrapped.world
+    world.reset(np.arange(3), np.arange(3, dtype=np.uint64), world.observe())
+    actions = np.full((3, 1), 0.5)
+    world.step(actions, np.ones(3, np.bool_), 2)
+    _, rewards, terminated, truncated = world.step(actions, np.array([True, False, True]), 2)
+    assert rewards[1] == 0.0 and rewards[0] > 0.0
+    assert truncated.tolist() == [True, False, True] and not terminated.any()
+    assert world.step(actions, np.ones(3, np.bool_), 2)[1].all()
