@@ -16,7 +16,6 @@ from vr_envs.envs.registry import task_of
 from vr_envs.envs.scene import resolve
 from vr_envs.envs.task import Task
 
-SYSTEM = "all"
 PRESETS = {"BallOnBar": ("bell", "lens"), "Autopilot": ("airliner-rough",), "TerrainRide": ("road", "quarter-car")}
 """Of each environment, the presets whose options are drawn: others would each be compiled anew."""
 KINDS = (UNIFORM, CORNERS, HELD, ZERO)

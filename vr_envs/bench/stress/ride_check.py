@@ -91,7 +91,7 @@ def _integrate(before, gamma, drag, w2, push, speed, duration, fine, facts):
 
 @kernel
 def _apart(state, there, before):
-    """The largest difference of the motion from that of `there`, over its largest number; lengths and velocities apart."""
+    """The largest difference of the motion from `there` over its largest number, lengths and velocities each."""
     a, b, c, d = there
     length = max(abs(a), abs(c), abs(before.travel), abs(before.deflection), 1e-6)
     speed = max(abs(b), abs(d), abs(before.velocity), abs(before.hub_velocity), 1e-5)

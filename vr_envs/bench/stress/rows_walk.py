@@ -58,9 +58,9 @@ def _act(action, settings, step):
 
 @kernel
 def _infinite(bits, floats):
-    """Whether a number among the 64-bit words of a record is infinite or undefined; `floats` are the numbers' places."""
+    """Whether a number among the words of a record is infinite or undefined; `floats` are the numbers' places."""
     exponent = np.uint64(0x7FF0000000000000)
-    for j in floats:
+    for j in floats:  # noqa: SIM110 (a kernel)
         if bits[j] & exponent == exponent:
             return True
     return False
@@ -86,8 +86,8 @@ def _walker(step_rows: Any, reset_rows: Any, prepare: Any, check: Any) -> Any:
 
     @kernel
     def walk(  # type: ignore[no-untyped-def]
-        case, times, trace, states, before, bits, floats, fault, acts, obs, seen, low, high, ends, params, options, settings,
-        scratch,
+        case, times, trace, states, before, bits, floats, fault, acts, obs, seen, low, high, ends, params, options,
+        settings, scratch,
     ):  # fmt: skip
         live, rewards, terminated, truncated, zeroth, keys = ends
         keys[0] = settings.key
@@ -140,7 +140,7 @@ def judge(
     check: Any,
     reasons: tuple[str, ...],
 ) -> None:
-    """Walk one case; its seed is the key of the settings. `check` returns (0 or the number of one of `reasons`, figure)."""
+    """Walk one case, whose seed is the key of the settings; `check` returns (0 or a number of `reasons`, figure)."""
     world = World(task, scene, 1)
     dtype = world.states.dtype
     words = [k for name in dtype.names or () if dtype[name].base.kind == "f" for k in _words(dtype, name)]

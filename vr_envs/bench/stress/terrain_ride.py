@@ -12,7 +12,6 @@ from vr_envs.bench.stress.trial import Outcome
 from vr_envs.envs.scene import Scene, resolve
 from vr_envs.envs.terrain_ride import TASK
 
-SYSTEM = "ride over terrain"
 _BARE: dict[str, Any] = dict.fromkeys(("bumps", "payload", "lag", "preview", "noise"))
 
 
