@@ -35,8 +35,11 @@ format: $(VENV)/.installed-dev  ## fix style and formatting
 types: $(VENV)/.installed-dev  ## check types
 	$(BIN)/pyright --pythonpath $(BIN)/python
 
-bench: $(VENV)/.installed  ## measure throughput
+bench: $(VENV)/.installed-dev  ## measure error, speed, stability and the cost of features, in ten minutes
+	$(BIN)/vr-envs bench accuracy
 	$(BIN)/vr-envs bench speed
+	$(BIN)/vr-envs bench stress
+	$(BIN)/vr-envs bench features
 
 clean:  ## remove the environment and every cache; runs/ stays
 	rm -rf $(VENV) build dist *.egg-info .pytest_cache .ruff_cache .hypothesis

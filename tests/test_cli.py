@@ -233,6 +233,7 @@ def test_list_names_every_parameter_and_channel(capsys, env_id):
         scene = resolve(task, name)
         fields = [f.name for f in dataclasses.fields(task.params)]
         fields += [f"{option}.{f.name}" for option, cls in task.additions.items() for f in dataclasses.fields(cls)]
+        fields += [option for option, cls in task.additions.items() if not dataclasses.fields(cls)]
         channels = [c.name for c in (*task.observation_channels(scene), *task.action_channels(scene))]
         for expected in fields:
             assert f"\n| {expected} " in text

@@ -2,7 +2,7 @@
 
 from gymnasium import register
 
-__version__ = "0.3.0"
+__version__ = "0.4.0"
 
 # 10 s at 15 control cycles per second; 480 s at 1 Hz; 10 s at 100 Hz
 for _name, _module, _steps in (

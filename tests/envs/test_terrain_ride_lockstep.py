@@ -3,25 +3,16 @@
 import numpy as np
 import pytest
 
-from vr_envs.envs.rows import rows_of
-from vr_envs.envs.storage import Blocks, Plain
-from vr_envs.envs.terrain_ride import TASK, TerrainRideBatchEnv
+from tests.envs.lockstep import both_ways, step_both
+from vr_envs.envs.storage import Plain
+from vr_envs.envs.terrain_ride import TerrainRideBatchEnv
 
 ROWS, STEPS, LIMIT = 43, 300, 110  # not whole blocks; every row starts afresh at least twice
 
 
-def batches(scene):
-    """The same batch in lockstep and row by row."""
-    pair = [TerrainRideBatchEnv(ROWS, scene, max_episode_steps=LIMIT) for _ in range(2)]
-    world = pair[1].world
-    assert isinstance(world.storage, Blocks)
-    world.rows, world.storage = rows_of(TASK), Plain(world.storage.dtype, ROWS)
-    return pair
-
-
 @pytest.mark.parametrize("scene", ["lecture", "road"])
 def test_lockstep_gives_the_same_bytes(scene):
-    pair = batches(scene)
+    pair = both_ways(TerrainRideBatchEnv, scene, ROWS, LIMIT)
     for env in pair:
         env.reset(seed=3)
     states = pair[0].get_state()
@@ -37,11 +28,7 @@ def test_lockstep_gives_the_same_bytes(scene):
         actions = rng.uniform(-1.0, 1.0, (ROWS, 2))
         if k % 50 == 0:
             actions = np.sign(actions)
-        one, other = (env.step(actions) for env in pair)
-        for left, right in zip(one[:4], other[:4], strict=True):
-            assert left.tobytes() == right.tobytes(), k
-        after = pair[0].get_state()
-        assert after.tobytes() == pair[1].get_state().tobytes(), k
+        after = step_both(pair, actions)
         touches, between = touches + after["touches"].sum(), between + (after["time_to_tick"] > 0.0).sum()
     assert len(np.unique(after["steps"])) > 2 and between > 50
     assert touches > 0 or scene == "lecture"

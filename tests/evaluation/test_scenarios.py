@@ -66,3 +66,8 @@ def test_levels_are_paired_and_policies_are_made_for_the_users_scene(toy):
 def test_a_wrong_set_is_refused_with_what_is_allowed(toy, arguments, named):
     with pytest.raises(ValueError, match=named):
         scenario_set(toy, **arguments)
+
+
+def test_a_scene_without_metrics_cannot_be_judged():
+    with pytest.raises(ValueError, match="give metrics = true"):
+        scenario_set("Autopilot-v1", {"base": "lecture", "metrics": None})

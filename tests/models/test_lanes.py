@@ -150,6 +150,37 @@ def test_some_records_are_read_and_written():
     assert blocks.ctypes.data % 64 == 0
 
 
+@kernel
+def pick(record, shift):
+    """Elements by numbers that differ from record to record."""
+    k = (record.n + shift) & 1
+    record.x = record.a[k + 1] - record.a[k]
+
+
+@kernel
+def pick_one_by_one(states, shift):
+    for i in range(states.shape[0]):
+        pick(states[i], shift)
+
+
+@kernel
+def pick_in_blocks(blocks, shift):
+    for b in range(blocks.shape[0]):
+        pick(block_at(blocks, b), shift)
+
+
+def test_elements_by_numbers_that_differ_from_lane_to_lane():
+    given = records(16)
+    blocks, everyone = empty_blocks(RECORD, 16), np.arange(16)
+    write_records(blocks, everyone, given)
+    chosen = (given["n"] + 3) & 1
+    assert 0 < chosen[:8].sum() < 8
+    pick_one_by_one(given, 3)
+    pick_in_blocks(blocks, 3)
+    assert given["x"].tolist() == [row["a"][k + 1] - row["a"][k] for row, k in zip(given, chosen, strict=True)]
+    assert read_records(blocks, everyone).tobytes() == given.tobytes()
+
+
 def test_a_branch_on_lanes_does_not_compile():
     @kernel
     def branches(blocks):

@@ -96,3 +96,25 @@ def test_a_tyre_that_is_never_down_is_off_the_ground_all_the_time_at_any_interva
     for _ in range(5):
         env.step(np.zeros(2))
     assert env.world.metrics(np.arange(1))["airborne_fraction"] == pytest.approx(1.0, rel=1e-12)
+
+
+def test_a_ride_without_metrics_is_the_same_ride():
+    """Observations and rewards need the weighted acceleration alone; nothing is summed, and nothing is told."""
+    pair = [TerrainRideBatchEnv(4, {"base": "lecture", "metrics": m}, max_episode_steps=30) for m in (True, None)]
+    for env in pair:
+        env.reset(seed=1)
+    rng = np.random.default_rng(0)
+    for _ in range(30):
+        actions = rng.uniform(-1.0, 1.0, (4, 2))
+        judged, bare = (env.step(actions) for env in pair)
+        for one, other in zip(judged[:4], bare[:4], strict=True):
+            assert one.tobytes() == other.tobytes()
+    assert judged[4]["acceleration_rms_m_s2"].min() > 0.0 and bare[4] == {}
+    full, empty = (env.get_state() for env in pair)
+    summed = ("ticks", "weighted_squares", "weighted_fourths", "acceleration_squares", "jump_squares",
+              "travel_squares", "travel_peak", "force_squares")  # fmt: skip
+    for name in full.dtype.names:
+        if name in summed:
+            assert (full[name] > 0).all() and (empty[name] == 0).all(), name
+        elif name != "measured":
+            assert full[name].tobytes() == empty[name].tobytes(), name

@@ -79,6 +79,9 @@ def details(env_id: str, scene: Any) -> str:
 
 def _fields(cls: type, instances: list[Any], prefix: str = "") -> list[list[str]]:
     rows = []
+    if not dataclasses.fields(cls):  # there, or not
+        present = ["null" if i is None else "true" for i in instances]
+        rows.append([prefix.rstrip("."), *present, "", "true, null", (cls.__doc__ or "").partition("\n")[0]])
     for field in dataclasses.fields(cls):
         meta = field.metadata
         values = [f"({_value(field.default)})" if i is None else _value(getattr(i, field.name)) for i in instances]

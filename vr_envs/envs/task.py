@@ -24,7 +24,7 @@ class Channel:
 
 @dataclasses.dataclass(frozen=True)
 class Metrics:
-    """Option of a task: what is counted of an episode, and told when it ends; without it neither is done."""
+    """What is counted of an episode, and told when it ends; without it neither is done."""
 
 
 @dataclasses.dataclass(frozen=True)

@@ -80,7 +80,7 @@ def scenario_set(
     """The scenario set of an environment: `n` keys, the same at every level, so that levels are paired too.
 
     Raises:
-        ValueError: unknown id, scene or level, or an n below 2.
+        ValueError: unknown id, scene or level, a scene without metrics, or an n below 2.
     """
     if n < 2:
         raise ValueError(f"{n} scenarios; give at least 2")
@@ -88,5 +88,7 @@ def scenario_set(
         raise ValueError(f"seed = {seed}; give a whole number of at least 0")
     task = task_of(env_id)
     base = resolve(task, scene)
+    if not base.judged:
+        raise ValueError("metrics = null is not allowed where policies are judged; give metrics = true")
     keys = scenario_keys(n, seed, side)
     return ScenarioSet(spec_of(env_id).id, task, base, at_level(task, base, level), level, seed, keys, limit_of(env_id))

@@ -217,25 +217,15 @@ def advance_evenly(state, action, params, undulation, road, profile, bumps, obst
 def advance(
     state, action, params, undulation, road, profile, bumps, obstacle, wheel, tyre, stop, lag, cruise, textbook, metrics
 ):
-    """Move by one control interval; `action` in [-1, 1]: damping and modulus (logarithmic), or the force; the speed.
+    """Move by one control interval, from tick to tick.
 
-    Actuators that lag move at the ticks, others at once; the speed is an action with `cruise`.
+    `action` in [-1, 1]: damping and modulus (logarithmic), or the force; then the speed, an action with `cruise`.
+    Actuators that lag move at the ticks, others at once.
     """
     if tyre is None and cruise is None and textbook is None:
         if even(state, params):
             advance_evenly(state, action, params, undulation, road, profile, bumps, obstacle, wheel, stop, lag, metrics)
             return
-    _advance_in_pieces(
-        state, action, params,
-        undulation, road, profile, bumps, obstacle, wheel, tyre, stop, lag, cruise, textbook, metrics,
-    )  # fmt: skip
-
-
-@kernel
-def _advance_in_pieces(
-    state, action, params, undulation, road, profile, bumps, obstacle, wheel, tyre, stop, lag, cruise, textbook, metrics
-):
-    """`advance` from tick to tick, whatever the interval is."""
     state.touches = 0
     if lag is None:
         actuate(state, action, lag, cruise)
