@@ -31,11 +31,20 @@ def test_a_plain_scene_has_what_it_cannot_do_without(task):
     assert present == {"terrain_ride": ["road"]}.get(task.name, [])
 
 
+def test_a_task_one_by_one_has_no_lockstep_and_is_the_same_else():
+    task = TASKS["autopilot"]
+    assert task.lockstep is not None and costs.one_by_one(task).lockstep is None
+    assert costs.one_by_one(task).advance is task.advance
+    assert costs.lockstep_possible(task, {"base": "airliner"})
+    assert not costs.lockstep_possible(task, {"base": "airliner", "sensing": True})
+    assert not costs.lockstep_possible(TASKS["ball_on_bar"], {"base": "bell"})
+
+
 class Clocked:
     """In place of a batch: so many steps and impacts."""
 
     def __init__(self, steps, impacts):
-        self.steps, self.count, self.instructions, self.lockstep = steps, impacts, None, False
+        self.steps, self.count, self.instructions = steps, impacts, None
 
     def impacts(self):
         return self.count

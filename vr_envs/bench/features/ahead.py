@@ -11,6 +11,7 @@ from typing import NamedTuple
 from tqdm import tqdm
 
 from vr_envs.bench.features.cases import Changes, cases, plain
+from vr_envs.bench.features.costs import one_by_one
 from vr_envs.bench.features.impacts import scenes
 from vr_envs.bench.features.stripped import stripped_task
 from vr_envs.envs.registry import task_of
@@ -20,10 +21,11 @@ ROWS = 64  # enough for the kernels of a large batch
 
 
 class Work(NamedTuple):
-    """A scene of an id, with the shipped kernels or with some that never had the options that it lacks."""
+    """A scene of an id: in lockstep or one by one, as shipped or with kernels that never had the options it lacks."""
 
     env_id: str
     scene: Changes
+    lockstep: bool = False
     bare: bool = False
 
 
@@ -31,7 +33,8 @@ def works_of(env_id: str) -> Iterator[Work]:
     """Everything that is compiled for an id."""
     task = task_of(env_id)
     default = {"base": task.default_scene}
-    yield from (Work(env_id, scene, bare) for scene in (plain(task), default) for bare in (False, True))
+    yield Work(env_id, default, lockstep=True)
+    yield from (Work(env_id, scene, bare=bare) for scene in (plain(task), default) for bare in (False, True))
     for case in cases(task):
         yield from (Work(env_id, scene) for scene in (case.without, case.with_it))
     if task.name == "ball_on_bar":
@@ -41,6 +44,7 @@ def works_of(env_id: str) -> Iterator[Work]:
 def compile_one(work: Work) -> bool:
     """Compile a scene's kernels, or load them; whether they were in the cache."""
     task = task_of(work.env_id)
+    task = task if work.lockstep else one_by_one(task)
     if work.bare:
         with stripped_task(task, work.scene) as bare:
             return _cached(World(bare, None, ROWS))
@@ -54,10 +58,15 @@ def _cached(world: World) -> bool:
 
 
 def compile_ahead(env_ids: Sequence[str], progress: bool = False) -> None:
-    """Compile everything for some ids of this suite, side by side, unless the first scene is in the cache."""
+    """Load everything for some ids of this suite; from the first scene on that is not in the cache, side by side."""
     works = list({repr(work): work for env_id in env_ids for work in works_of(env_id)}.values())
-    if all(compile_one(work) for work in works[:1]):
-        return
-    with ProcessPoolExecutor(os.cpu_count(), get_context("spawn")) as pool:
-        rest = pool.map(compile_one, works[1:])
-        list(tqdm(rest, "compiling", len(works) - 1, leave=False, disable=not progress))
+    with tqdm(works, "kernels", leave=False, disable=not progress) as shown:
+        done = 0
+        while done < len(works):
+            shown.update()
+            done += 1
+            if not compile_one(works[done - 1]):
+                break
+        with ProcessPoolExecutor(os.cpu_count(), get_context("spawn")) as pool:
+            for _ in pool.map(compile_one, works[done:]):
+                shown.update()

@@ -10,7 +10,7 @@ import numba
 import numpy as np
 
 from vr_envs.bench.features.instructions import Instructions, instructions
-from vr_envs.envs.rows import in_lockstep, row_records
+from vr_envs.envs.rows import row_records
 from vr_envs.envs.task import Task
 from vr_envs.envs.world import NO_LIMIT, World
 
@@ -43,7 +43,6 @@ class Batch:
             fields: values of the records' fields at the start, in place of those that a reset draws.
         """
         self.world = world = World(task, scene, rows)
-        self.lockstep = in_lockstep(task, world.scene, rows)
         self.live = np.ones(rows, np.bool_)
         action = SINK if action is None and task.name == "ball_on_bar" else action
         draws = np.random.default_rng(0).uniform(-CALM, CALM, (steps, rows, world.widths[1]))

@@ -1,7 +1,8 @@
 """What each option costs where it is on, and that it costs nothing where it is off.
 
-Timed is the native loop over rows, observation and score included, in CPU time; a scene with and one without the option
-are timed in turn within each repeat, so that a ratio compares times taken side by side. Compilation is not timed.
+Timed is the native loop over rows, one by one, observation and score included, in CPU time; a scene with and one
+without the option are timed in turn within each repeat, so that a ratio compares times taken side by side. Compilation
+is not timed. What it gains to move rows in lockstep, and which options exclude that, is told apart.
 """
 
 from __future__ import annotations
@@ -15,18 +16,29 @@ from vr_envs.bench.features.cases import Changes, cases, plain
 from vr_envs.bench.features.instructions import Instructions
 from vr_envs.bench.features.stripped import stripped_task
 from vr_envs.bench.timing import Spread, per_call
+from vr_envs.envs.rows import LOCKSTEP_FROM, in_lockstep
+from vr_envs.envs.scene import resolve
 from vr_envs.envs.task import Task
 
 ROWS = 1024
 NO_OPTION = "no option"  # the name of the plain scene
 
 
+def one_by_one(task: Task) -> Task:
+    """The task without the kernels that move rows in lockstep."""
+    return dataclasses.replace(task, lockstep=None)
+
+
+def lockstep_possible(task: Task, scene: Changes) -> bool:
+    """Whether a large batch moves the rows of a scene in lockstep."""
+    return in_lockstep(task, resolve(task, scene), LOCKSTEP_FROM)
+
+
 @dataclasses.dataclass(frozen=True)
 class Cost:
     """Time (ns per step) and instructions of a scene, and of the one that it is compared with.
 
-    `ratio`: of the times, where steps have impacts per impact, since an option may change their number. `lockstep`:
-    whether the rows are moved eight at a time, in the scene and in the other.
+    `ratio`: of the times, where steps have impacts per impact, since an option may change their number.
     """
 
     name: str
@@ -35,7 +47,6 @@ class Cost:
     ratio: Spread
     impacts: float | None
     other_impacts: float | None
-    lockstep: tuple[bool, bool]
     instructions: Instructions
     other_instructions: Instructions
 
@@ -58,7 +69,6 @@ def compare(name: str, batch: Batch, other: Batch, repeats: int, seconds: float)
         Spread.of([per_impact * a / b for a, b in zip(times, other_times, strict=True)]),
         impacts,
         other_impacts,
-        (batch.lockstep, other.lockstep),
         batch.instructions,
         other.instructions,
     )
@@ -66,7 +76,7 @@ def compare(name: str, batch: Batch, other: Batch, repeats: int, seconds: float)
 
 def option_costs(task: Task, repeats: int, seconds: float, rows: int = ROWS, progress: bool = False) -> list[Cost]:
     """Every option of a task, one at a time: the scene with it beside the same scene without it."""
-    found, without = [], {}
+    task, found, without = one_by_one(task), [], {}
     for case in tqdm(list(cases(task)), desc=f"options of {task.name}", leave=False, disable=not progress):
         basis = repr(case.without)
         if basis not in without:
@@ -87,11 +97,24 @@ def pruning_cost(name: str, task: Task, scene: Changes, repeats: int, seconds: f
     Raises:
         ArithmeticError: the two differ in a byte.
     """
+    task = one_by_one(task)
     with stripped_task(task, scene) as bare:
         shipped, other = Batch(task, scene, rows), Batch(bare, None, rows)
         if not same(shipped, other):
             raise ArithmeticError(f"{task.name}, {name}: the kernels without the absent options give another result")
         return compare(name, shipped, other, repeats, seconds)
+
+
+def lockstep_cost(task: Task, repeats: int, seconds: float, rows: int = ROWS) -> Cost:
+    """The default scene with its rows in lockstep beside the same one by one; they do the same to the byte.
+
+    Raises:
+        ArithmeticError: they do not.
+    """
+    together, alone = Batch(task, None, rows), Batch(one_by_one(task), None, rows)
+    if not same(together, alone):
+        raise ArithmeticError(f"{task.name}: rows in lockstep give another result than rows one by one")
+    return compare(task.default_scene, together, alone, repeats, seconds)
 
 
 def pruning_costs(task: Task, repeats: int, seconds: float, rows: int = ROWS, progress: bool = False) -> list[Cost]:

@@ -16,20 +16,24 @@ MESSAGE = 2.0  # s, after which a compilation is announced
 
 def on(costs: PerSystem[Cost]) -> str:
     """What the options cost that are on."""
-    parts, alone = [], []
+    parts = []
     for system, found in costs.items():
         dearest = max(found, key=lambda cost: cost.ratio.median)
         middle = sorted(cost.ratio.median for cost in found)[len(found) // 2]
         parts.append(
             f"{system}: {middle:.2f} in the middle of {len(found)}, {dearest.ratio.median:.3g} for {dearest.name}"
         )
-        names = [cost.name for cost in found if cost.lockstep == (False, True)]
-        if names:
-            alone.append(f"{', '.join(names)} ({system})")
-    text = f"An option that is on multiplies the time of a plain scene ({'; '.join(parts)})"
-    if alone:
-        text += f"; with some the rows are no longer moved eight at a time, which costs more: {'; '.join(alone)}"
-    return f"{text}."
+    return f"An option that is on multiplies the time of a plain scene, row by row ({'; '.join(parts)})."
+
+
+def lockstep(costs: Mapping[str, Cost], alone: Mapping[str, Sequence[str]]) -> str:
+    """What it gains to move rows in lockstep, and where that is not done."""
+    parts = [f"{1.0 / cost.ratio.median:.1f} times as fast ({system})" for system, cost in costs.items()]
+    without = [f"{', '.join(alone[system])} ({system})" for system in costs if alone[system]]
+    return (
+        f"In lockstep the rows of a default scene move {', '.join(parts)}, to the same bytes; not so with the options "
+        f"{'; '.join(without)}."
+    )
 
 
 def off(costs: PerSystem[Cost]) -> str:

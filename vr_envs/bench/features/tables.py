@@ -35,7 +35,6 @@ def option_tables(costs: PerSystem[Cost]) -> list[Table]:
     """One row an option."""
     head = [
         "option",
-        "in lockstep",
         "ns per step",
         "ns without it",
         "time ratio",
@@ -47,7 +46,6 @@ def option_tables(costs: PerSystem[Cost]) -> list[Table]:
         rows = [
             [
                 cost.name,
-                "yes" if cost.lockstep[0] else "no",
                 _time(cost.time),
                 _time(cost.other_time),
                 _two(cost.ratio),
@@ -59,8 +57,8 @@ def option_tables(costs: PerSystem[Cost]) -> list[Table]:
             for cost in found
         ]
         note = (
-            "Median (minimum to maximum). Instructions of the loop over rows with all that it calls, in brackets how "
-            "many more than without the option."
+            "Rows one by one. Median (minimum to maximum). Instructions of the loop over rows with all that it calls, in "
+            "brackets how many more than without the option."
         )
         if any(cost.impacts is not None for cost in found):
             note += " The ratio is per impact."
@@ -92,6 +90,16 @@ def pruning_table(costs: PerSystem[Cost]) -> Table:
         "machine code passes on; and a call with fewer arguments may be inlined where the other is not."
     )
     return Table("Options that are off", head, rows, (0, 1), note)
+
+
+def lockstep_table(costs: Mapping[str, Cost], alone: Mapping[str, Sequence[str]]) -> Table:
+    """One row a system that moves rows in lockstep."""
+    rows = [
+        [system, cost.name, _time(cost.time), _time(cost.other_time), _two(cost.ratio), ", ".join(alone[system])]
+        for system, cost in costs.items()
+    ]
+    head = ["system", "scene", "ns per step in lockstep", "one by one", "time ratio", "options that exclude it"]
+    return Table("Rows in lockstep", head, rows, (0, 1, 5), "Eight rows are moved at a time, to the same bytes.")
 
 
 def impact_table(costs: Sequence[ImpactCost]) -> Table:
