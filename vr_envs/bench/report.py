@@ -54,7 +54,8 @@ def machine() -> dict[str, str]:
 class Report:
     """What one benchmark found.
 
-    `sentences`: what the tables say, in words; `numbers`: everything, for programs; `figures`: name -> picture.
+    `sentences`: what the tables say, in words; `numbers`: everything, for programs; `figures`: name -> picture;
+    `failed`: something is wrong with what was measured, and the command's exit code says so.
     """
 
     name: str
@@ -63,6 +64,7 @@ class Report:
     tables: list[Table] = dataclasses.field(default_factory=list)
     numbers: dict[str, Any] = dataclasses.field(default_factory=dict)
     figures: dict[str, Figure] = dataclasses.field(default_factory=dict)
+    failed: bool = False
 
     def text(self) -> str:
         """Sentences and tables, for a terminal and as Markdown."""

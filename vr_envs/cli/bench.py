@@ -44,5 +44,7 @@ def _runner(measure: Callable[[argparse.Namespace], Report]) -> Callable[[argpar
         with user_input():
             for path in report.write(folder):
                 print(f"wrote {path}")
+        if report.failed:
+            raise SystemExit(1)
 
     return run

@@ -13,6 +13,8 @@ from vr_envs.models.atmosphere import airspeed_of_mach, true_airspeed
 from vr_envs.models.autopilot import State, left_envelope
 from vr_envs.models.record import dtype_of
 
+MOST_PIECES = 10_000  # renewals of the limits in a control interval, so that a step takes milliseconds at most
+
 # its airspeeds are equivalent ones
 _AIRLINER: dict[str, Any] = {
     "speed_low": 75.0,
@@ -82,6 +84,11 @@ def validate(scene: Scene) -> None:
             ("demands.hold_low", demands.hold_low, "demands.hold_high", demands.hold_high, False),
             ("demands.share_low", demands.share_low, "demands.share_high", demands.share_high, False),
         ]
+    renewing = any(scene.options[name] is not None for name in ("envelope", "energy", "shear"))
+    if renewing:
+        orders.append(("dt", p.dt, f"{MOST_PIECES} refresh", MOST_PIECES * p.refresh, False))
+    if (textbook := scene.options["textbook"]) is not None:
+        orders.append(("dt", p.dt, f"{MOST_PIECES * 10} textbook.step", 10.0 * MOST_PIECES * textbook.step, False))
     for low_name, low, high_name, high, strict in orders:
         if low > high or (strict and low == high):
             rule = "be below" if strict else "not exceed"

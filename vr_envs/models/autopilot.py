@@ -38,7 +38,7 @@ class Params:
     Rates: OpenAP, ADS-B statistics of B757-200 and A321. Accelerations: 2 ft/s^2, a civil comfort limit.
     """
 
-    dt: float = quantity(1.0, "s", "control interval", low=1e-3, high=10.0)
+    dt: float = quantity(1.0, "s", "control interval", low=1e-3, high=3600.0)
     refresh: float = quantity(
         1.0, "s", "time between renewals of the limits that depend on the flight", low=1e-3, high=10.0
     )

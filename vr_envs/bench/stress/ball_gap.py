@@ -1,4 +1,4 @@
-"""The gap between a ball and the bar, judged apart from the model: where the bar is, and how deep a flight goes into it.
+"""The gap between ball and bar, judged apart from the model: where the bar is, and how deep a flight goes into it.
 
 Written from the equations of motion alone, and shares nothing with the kernels that it judges. The bar's pose is
 evaluated at an instant, the gap is q - kappa p^2/2 in the bar's axes, on a flat bar too, and a flight is searched with

@@ -30,7 +30,6 @@ REASONS = (
     "a search for a passage did not end",
 )
 _FAULT, _NOT_FINITE, _THROUGH, _ELSEWHERE, _UNJUDGED = range(1, len(REASONS) + 1)
-TOLD = "balls that come to rest, or fly over the centre of the lens's sphere, which this model reports as a fault"
 
 
 class _Flight(NamedTuple):

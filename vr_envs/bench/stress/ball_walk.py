@@ -160,7 +160,8 @@ def _lost_over_bar(states, motion, course, begin, end, options, log):
             end = middle
         else:
             begin = middle
-    ball = states[0]
+    _at(states, motion, course, end, options, log)
+    ball = states[3]
     _, _, p = gap(course, end, ball.x, ball.z, ball.u, ball.w)
     return abs(p) < options[0].half_length - 1e-9
 

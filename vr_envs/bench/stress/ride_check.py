@@ -22,7 +22,7 @@ REASONS = (
 )
 _TYRE, _STOP, _MOTION, _GROWN = range(1, len(REASONS) + 1)
 NEAR = 1e-12  # m
-ALIKE = 1e-5  # of the largest number of the motion: the error of the small steps, far below a missed contact
+ALIKE = 1e-5  # of the largest number of the motion, far below what a missed contact makes of it
 SMALLEST = 1e-290  # of the motion that begins with a number below the smallest normal one, on a level road
 _STEP = 0.01  # of the integration, over the fastest motion's rate
 _LONGEST = 5e-6  # s
@@ -65,8 +65,8 @@ def _rates(a, b, c, d, gamma, drag, w2, push, climb, facts):
 
 
 @kernel
-def _integrate(before, gamma, drag, w2, push, speed, duration, facts):
-    """Travel, velocity, deflection and hub velocity of `before` after `duration` (s), over the road's knots."""
+def _integrate(before, gamma, drag, w2, push, speed, duration, fine, facts):
+    """Travel, velocity, deflection and hub velocity of `before` after `duration` (s), in steps `fine` times as long."""
     a, b, c, d = before.travel, before.velocity, before.deflection, before.hub_velocity
     fastest = math.sqrt((w2 + facts[4]) * (1.0 + facts[2]) + facts[1]) + gamma * (1.0 + facts[2])
     knot, ahead, left = before.knot, before.to_knot, duration
@@ -74,7 +74,7 @@ def _integrate(before, gamma, drag, w2, push, speed, duration, facts):
         piece = min(left, ahead / speed)
         height = before.knots[(knot + 1) % RING] - before.knots[knot % RING]
         climb = speed * height / facts[5]
-        steps = 1 + int(piece / min(_LONGEST, _STEP / fastest))
+        steps = 1 + int(piece / (fine * min(_LONGEST, _STEP / fastest)))
         h = piece / steps
         for _ in range(steps):
             k = _rates(a, b, c, d, gamma, drag, w2, push, climb, facts)
@@ -91,7 +91,7 @@ def _integrate(before, gamma, drag, w2, push, speed, duration, facts):
 
 @kernel
 def _apart(state, there, before):
-    """The largest difference of the motion from that of `there`, over its largest number; lengths and velocities apart."""
+    """The largest difference of the motion from `there` over its largest number, lengths and velocities each."""
     a, b, c, d = there
     length = max(abs(a), abs(c), abs(before.travel), abs(before.deflection), 1e-6)
     speed = max(abs(b), abs(d), abs(before.velocity), abs(before.hub_velocity), 1e-5)
@@ -114,6 +114,9 @@ def check(before, state, action, params, facts):
     gamma = params.damping_low * (params.damping_high / params.damping_low) ** (0.5 + 0.5 * action[0])
     w2 = params.spring_rate / params.mass
     w2 *= params.modulus_low * (params.modulus_high / params.modulus_low) ** (0.5 + 0.5 * action[1])
-    there = _integrate(before, gamma, params.relative, w2, 0.0, params.speed, params.dt, facts)
-    apart = _apart(state, there, before)
+    apart, fine = math.inf, 1.0
+    while apart > ALIKE and fine > 1e-3:  # a force that sets in makes an error of the second order in the steps
+        there = _integrate(before, gamma, params.relative, w2, 0.0, params.speed, params.dt, fine, facts)
+        apart = _apart(state, there, before)
+        fine *= 0.1
     return (_MOTION if apart > ALIKE else 0), apart

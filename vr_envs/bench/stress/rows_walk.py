@@ -22,8 +22,8 @@ from vr_envs.envs.world import World
 from vr_envs.models.jit import kernel
 from vr_envs.models.noise import uniform
 
-ZERO, UNIFORM, CORNERS, HELD, FULL = range(5)
-"""Kinds of actions: none; drawn for every step; drawn from {-1, 1}; drawn for every 20 steps; 1."""
+ZERO, UNIFORM, CORNERS, HELD = range(4)
+"""Kinds of actions: none; drawn for every step; drawn from {-1, 1}; drawn for every 20 steps."""
 _DRAWS = 1 << 42  # counters of the actions, apart from those of the episodes
 
 REASONS = (
@@ -50,9 +50,7 @@ class Settings(NamedTuple):
 def _act(action, settings, step):
     for j in range(action.shape[0]):
         draw = _DRAWS + action.shape[0] * (step // 20 if settings.actions == HELD else step) + j
-        if settings.actions == FULL:
-            action[j] = 1.0
-        elif settings.actions != ZERO:
+        if settings.actions != ZERO:
             action[j] = 2.0 * uniform(settings.key, draw) - 1.0
         if settings.actions == CORNERS:
             action[j] = math.copysign(1.0, action[j])
@@ -60,9 +58,9 @@ def _act(action, settings, step):
 
 @kernel
 def _infinite(bits, floats):
-    """Whether a number among the 64-bit words of a record is infinite or undefined; `floats` are the numbers' places."""
+    """Whether a number among the words of a record is infinite or undefined; `floats` are the numbers' places."""
     exponent = np.uint64(0x7FF0000000000000)
-    for j in floats:
+    for j in floats:  # noqa: SIM110 (a kernel)
         if bits[j] & exponent == exponent:
             return True
     return False
@@ -88,8 +86,8 @@ def _walker(step_rows: Any, reset_rows: Any, prepare: Any, check: Any) -> Any:
 
     @kernel
     def walk(  # type: ignore[no-untyped-def]
-        case, times, trace, states, before, bits, floats, fault, acts, obs, seen, low, high, ends, params, options, settings,
-        scratch,
+        case, times, trace, states, before, bits, floats, fault, acts, obs, seen, low, high, ends, params, options,
+        settings, scratch,
     ):  # fmt: skip
         live, rewards, terminated, truncated, zeroth, keys = ends
         keys[0] = settings.key
@@ -138,11 +136,11 @@ def judge(
     settings: Settings,
     outcome: Outcome,
     trace: np.ndarray,
-    prepare: Any = nothing,
-    check: Any = no_check,
-    reasons: tuple[str, ...] = (),
+    prepare: Any,
+    check: Any,
+    reasons: tuple[str, ...],
 ) -> None:
-    """Walk one case; its seed is the key of the settings."""
+    """Walk one case, whose seed is the key of the settings; `check` returns (0 or a number of `reasons`, figure)."""
     world = World(task, scene, 1)
     dtype = world.states.dtype
     words = [k for name in dtype.names or () if dtype[name].base.kind == "f" for k in _words(dtype, name)]

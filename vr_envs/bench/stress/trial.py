@@ -40,7 +40,7 @@ _CHUNK = 0.4  # s, between two steps of the progress
 
 @kernel
 def note_time(case, times, trace, nanoseconds):
-    """Count a step that took so long, in the bins and as the slowest of its case; lower its number in the trace to it."""
+    """Count a step that took so long; its number in the trace is lowered to that."""
     seconds = 1e-9 * nanoseconds
     if case.timed < trace.shape[0]:
         trace[case.timed] = min(trace[case.timed], seconds)
@@ -73,7 +73,7 @@ class Outcome:
         """Take in what happened in other cases."""
         self.count += other.count
         self.failures += other.failures
-        if other.worst > self.worst or self.worst_seed < 0:
+        if other.worst > self.worst or (self.worst_seed < 0 and other.worst_seed >= 0):
             self.worst, self.worst_seed = other.worst, other.worst_seed
         self.slowest = sorted([*self.slowest, *other.slowest], reverse=True)[:_AGAIN]
         self.times += other.times
@@ -91,9 +91,10 @@ class Outcome:
 class Trial:
     """What is tried.
 
-    `run(first, number, trace)` runs the cases `first` to `first + number - 1`; of each timed step of a case the time
-    is written to `trace` (s) if it is less than what stands there, as far as the array goes. `unit` says what is counted, `figure` what the
-    worst of is told, `told` what a model says where it cannot go on, which is no failure; empty if there is no such.
+    `run(first, number, trace)` runs the cases `first` to `first + number - 1`. Of each timed step the time is written
+    to `trace` (s) if it is less than what stands there, as far as the array goes.
+    `unit` says what is counted, and `figure` of what the worst is told; `told` what the model says where it cannot go
+    on, which is no failure. They are empty where there is no such thing.
     """
 
     name: str

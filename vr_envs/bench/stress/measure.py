@@ -1,0 +1,190 @@
+"""Run trials and report: what was tried, how often, what happened, the worst, and the seed of every failure."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from typing import Any
+
+from tqdm import tqdm
+
+from vr_envs.bench.report import Report, Table
+from vr_envs.bench.stress.picture import passages, step_times
+from vr_envs.bench.stress.trial import Outcome, Trial, attempt, share_below, slowest_step
+from vr_envs.bench.stress.trials import TRIALS
+
+QUICK = 0.1  # part of the cases
+SHARES = (0.5, 0.99, 0.9999)
+LISTED = 20  # failures of a trial in the report; all are in the JSON
+
+
+@dataclasses.dataclass(frozen=True)
+class Finding:
+    """A trial, what happened, and what it took."""
+
+    trial: Trial
+    cases: int
+    outcome: Outcome
+    slowest: float  # s, the slowest step; 0 without timed steps
+    slowest_seed: int
+    seconds: float  # CPU time
+
+    @property
+    def quantiles(self) -> list[float]:
+        """Time per step (s) below which `SHARES` of the steps are."""
+        return [share_below(self.outcome.times, share) for share in SHARES]
+
+
+def tried(trial: Trial, first: int, cases: int, progress: bool) -> Finding:
+    """Try one trial's cases from number `first` on."""
+    outcome, seconds = attempt(trial, first, cases, progress)
+    slowest, seed = slowest_step(trial, outcome)
+    return Finding(trial, cases, outcome, slowest, seed, seconds)
+
+
+def all_tried(names: Sequence[str], part: float, seed: int | None, progress: bool) -> list[Finding]:
+    """Try the trials of these names, or of one the case `seed` alone; `part` is that of the usual number of cases."""
+    found = []
+    for name in tqdm(names, desc="trials", leave=False, disable=None if progress else True):
+        trial = TRIALS[name]
+        first, cases = (0, max(1, round(part * trial.cases))) if seed is None else (seed, 1)
+        found.append(tried(trial, first, cases, progress))
+    return found
+
+
+def repeat(trial: Trial, seed: int) -> str:
+    """The command that repeats one case."""
+    return f"vr-envs bench stress --trial {trial.name} --seed {seed}"
+
+
+def number(value: int) -> str:
+    """A number of things: whole, or as a power of ten where it is large."""
+    return f"{value}" if value < 100_000 else f"{value:.2e}".replace("e+0", "e").replace("e+", "e")
+
+
+def _time(seconds: float) -> str:
+    return f"{1e6 * seconds:.3g}" if seconds > 0.0 else ""
+
+
+def _happened(finding: Finding) -> str:
+    outcome = finding.outcome
+    failures = f"**{len(outcome.failures)} failures**" if outcome.failures else "no failure"
+    told = f"; {number(outcome.told)} {finding.trial.told}" if outcome.told else ""
+    return failures + told
+
+
+def _trials_table(findings: list[Finding]) -> Table:
+    rows = [
+        [
+            f.trial.name,
+            f.trial.tried,
+            f"{number(f.outcome.count)} {f.trial.unit} in {number(f.cases)} cases",
+            _happened(f),
+            f"{f.outcome.worst:.1e} ({f.trial.figure})" if f.trial.figure else "",
+        ]
+        for f in findings
+    ]
+    return Table("Trials", ["trial", "what was tried", "how often", "what happened", "worst"], rows, (0, 1, 2, 3, 4))
+
+
+def _times_table(findings: list[Finding]) -> Table:
+    timed = [f for f in findings if f.outcome.times.any()]
+    rows = [
+        [
+            f.trial.name,
+            number(int(f.outcome.times.sum())),
+            *(_time(seconds) for seconds in f.quantiles),
+            _time(f.slowest),
+            str(f.slowest_seed),
+        ]
+        for f in timed
+    ]
+    note = (
+        "CPU time of the thread, the reading of its clock included; a step is a control interval, in ball-grazing one "
+        "flight and in ball-lens one cycle. The slowest is the largest over the steps of the least over several runs "
+        "of the slowest cases. p99.99 has the machine's interruptions in it."
+    )
+    head = ["trial", "steps timed", "p50, us", "p99, us", "p99.99, us", "slowest, us", "its case"]
+    return Table("Time per step", head, rows, (0,), note)
+
+
+def _failures_table(findings: list[Finding]) -> Table:
+    rows = [
+        [f.trial.name, str(failure.seed), failure.reason, repeat(f.trial, failure.seed)]
+        for f in findings
+        for failure in f.outcome.failures[:LISTED]
+    ]
+    left = sum(max(0, len(f.outcome.failures) - LISTED) for f in findings)
+    note = f"{left} more are in the JSON." if left else ""
+    return Table("Failures", ["trial", "seed", "reason", "repeat with"], rows, (0, 2, 3), note)
+
+
+def _sentences(findings: list[Finding]) -> list[str]:
+    failures = sum(len(f.outcome.failures) for f in findings)
+    failed = sum(bool(f.outcome.failures) for f in findings)
+    cases = sum(f.cases for f in findings)
+    verdict = f"{failures} failures in {failed} of them" if failures else "no failure"
+    lines = [f"{len(findings)} trials of {number(cases)} cases: {verdict}."]
+    deep = [f for f in findings if f.trial.figure.startswith("deepest")]
+    if deep:
+        worst = max(deep, key=lambda f: f.outcome.worst)
+        count = sum(f.outcome.count for f in deep if f.trial.unit == "impacts")
+        lines.append(
+            f"The deepest passage of a ball through its bar or lens, in trials of {number(count)} impacts, is "
+            f"{worst.outcome.worst:.1e} m ({worst.trial.name})."
+        )
+    timed = [f for f in findings if f.slowest > 0.0]
+    if timed:
+        slow = max(timed, key=lambda f: f.slowest)
+        lines.append(
+            f"The slowest step took {_time(slow.slowest)} us ({slow.trial.name}, case {slow.slowest_seed}); the median "
+            f"of that trial is {_time(slow.quantiles[0])} us."
+        )
+    lines.append(
+        "Pendulum, spring, thread and fabric of the lecture are not in this suite, so nothing of them was tried."
+    )
+    return lines
+
+
+def _numbers(finding: Finding) -> dict[str, Any]:
+    outcome = finding.outcome
+    return {
+        "system": finding.trial.system,
+        "tried": finding.trial.tried,
+        "cases": finding.cases,
+        "count": outcome.count,
+        "unit": finding.trial.unit,
+        "failures": [
+            {**dataclasses.asdict(failure), "repeat": repeat(finding.trial, failure.seed)}
+            for failure in outcome.failures
+        ],
+        "told": outcome.told,
+        "worst": outcome.worst,
+        "worst_of": finding.trial.figure,
+        "worst_seed": outcome.worst_seed,
+        "steps_timed": int(outcome.times.sum()),
+        "us_p50_p99_p9999": [1e6 * seconds for seconds in finding.quantiles],
+        "slowest_us": 1e6 * finding.slowest,
+        "slowest_seed": finding.slowest_seed,
+        "cpu_seconds": finding.seconds,
+    }
+
+
+def report(findings: list[Finding]) -> Report:
+    """Everything that was found."""
+    tables = [_trials_table(findings)]
+    if any(f.outcome.times.any() for f in findings):
+        tables.append(_times_table(findings))
+    failed = any(f.outcome.failures for f in findings)
+    if failed:
+        tables.append(_failures_table(findings))
+    figures = {"time": step_times(findings), "passage": passages(findings)}
+    return Report(
+        "stress",
+        "Stress",
+        _sentences(findings),
+        tables,
+        {f.trial.name: _numbers(f) for f in findings},
+        {name: figure for name, figure in figures.items() if figure is not None},
+        failed=failed,
+    )
