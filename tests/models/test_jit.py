@@ -5,7 +5,7 @@ import sys
 
 import numpy as np
 
-from vr_envs.models.jit import bound, kernel
+from vr_envs.models.jit import _repeated, bound, kernel
 
 PROGRAM = """
 import sys
@@ -132,3 +132,21 @@ def test_a_bound_call_takes_a_tuple_of_records_of_one_kind():
     call = bound(_difference, pair)
     del pair
     assert (call(), call()) == (2.0, 2.0)
+
+
+@kernel
+def _last(record):
+    return record.many[-1]
+
+
+def test_a_bound_call_keeps_the_address_of_a_record_and_not_its_numbers():
+    """Number by number, the code for one of thousands takes minutes and gigabytes to compile."""
+    sizes = []
+    for count in (8, 512):
+        record = np.zeros(1, [("many", "f8", (count,))])
+        record["many"][0, -1] = count
+        call = bound(_last, record[0])
+        assert call() == count
+        library = list(_repeated(_last).overloads.values())[-1].library
+        sizes.append(len(str(library._get_module_for_linking())))
+    assert sizes[1] < 1.1 * sizes[0]

@@ -13,14 +13,14 @@ import warnings
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numba
 import numba.extending
-from llvmlite import ir
-from numba.core import cgutils
+import numpy as np
+from numba import types
 from numba.core.caching import FunctionCache, IndexDataCacheFile
-from numba.core.datamodel.models import UniTupleModel
+from numba.core.imputils import impl_ret_borrowed
 
 PACKAGE = Path(__file__).resolve().parent.parent
 KERNEL_FOLDERS = ("models", "envs")
@@ -103,16 +103,42 @@ def intrinsic(function: Any) -> Any:
     return numba.extending.intrinsic(function)
 
 
-def _load_elements(self: Any, builder: Any, ptr: Any, align: Any = None) -> Any:
-    value = ir.Constant(self.get_value_type(), ir.Undefined)
-    for i in range(self._count):
-        place = cgutils.gep_inbounds(builder, ptr, 0, i)
-        value = builder.insert_value(value, self._elem_model.load_from_data_pointer(builder, place, align), i)
-    return value
+class _Cell(NamedTuple):
+    """A record as an array of one: what a generator keeps is then its address, not the record number by number."""
+
+    array: Any
 
 
-# Numba loads a tuple of one type whole, which a record cannot be; one of several types it loads like this
-UniTupleModel.load_from_data_pointer = _load_elements
+def _in_cells(value: Any) -> Any:
+    """A copy of a tuple in which records are in cells, at any depth; all else is as it was."""
+    if isinstance(value, np.void):
+        return _Cell(np.array([value]))
+    return tuple(_in_cells(part) for part in value) if isinstance(value, tuple) else value
+
+
+def _opened_type(kind: Any) -> Any:
+    if getattr(kind, "instance_class", None) is _Cell:
+        return kind.dtype.dtype
+    return types.Tuple([_opened_type(part) for part in kind]) if hasattr(kind, "__iter__") else kind
+
+
+@intrinsic
+def _opened(typingctx, arguments):  # type: ignore[no-untyped-def]
+    """The arguments with records out of their cells."""
+
+    def opened(context: Any, builder: Any, kind: Any, value: Any) -> Any:
+        if getattr(kind, "instance_class", None) is _Cell:
+            array = context.make_array(kind.dtype)(context, builder, builder.extract_value(value, 0))
+            return builder.bitcast(array.data, context.get_value_type(kind.dtype.dtype))
+        if hasattr(kind, "__iter__"):
+            parts = [opened(context, builder, part, builder.extract_value(value, k)) for k, part in enumerate(kind)]
+            return context.make_tuple(builder, _opened_type(kind), parts)
+        return value
+
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return impl_ret_borrowed(context, builder, sig.return_type, opened(context, builder, sig.args[0], args[0]))
+
+    return _opened_type(arguments)(arguments), build
 
 
 @cache
@@ -120,7 +146,7 @@ def _repeated(function: Any) -> Any:
     @kernel
     def repeat(arguments):  # type: ignore[no-untyped-def]
         while True:
-            yield function(*arguments)
+            yield function(*_opened(arguments))
 
     return repeat
 
@@ -131,4 +157,4 @@ def bound(function: Any, *arguments: Any) -> Callable[[], Any]:
     Converting records and arrays at every call costs 2 to 4 us, ten times a call of this (a compiled generator, which
     keeps them converted). Arrays are shared, records copied. No two threads may call it at once.
     """
-    return _repeated(function)(arguments).__next__
+    return _repeated(function)(_in_cells(arguments)).__next__

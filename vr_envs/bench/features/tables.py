@@ -57,8 +57,8 @@ def option_tables(costs: PerSystem[Cost]) -> list[Table]:
             for cost in found
         ]
         note = (
-            "Rows one by one. Median (minimum to maximum). Instructions of the loop over rows with all that it calls, in "
-            "brackets how many more than without the option."
+            "Rows one by one; median (minimum to maximum). Instructions of the loop over rows with all that it calls, "
+            "in brackets how many more than without the option."
         )
         if any(cost.impacts is not None for cost in found):
             note += " The ratio is per impact."
