@@ -3,6 +3,10 @@
 import subprocess
 import sys
 
+import numpy as np
+
+from vr_envs.models.jit import bound, kernel
+
 PROGRAM = """
 import sys
 sys.path.insert(0, {folder!r})
@@ -115,3 +119,16 @@ def test_a_kernel_is_known_by_all_that_it_closes_over_and_by_their_text(tmp_path
     assert run(tmp_path, 2) == (2.0, 0)
     assert run(tmp_path, 2) == (2.0, 1)
     assert run(tmp_path, 3) == (3.0, 0)
+
+
+@kernel
+def _difference(pair):
+    return pair[0].size - pair[1].size
+
+
+def test_a_bound_call_takes_a_tuple_of_records_of_one_kind():
+    kind = [("other", "f8"), ("size", "f8")]
+    pair = np.array([(0.0, 5.0)], kind)[0], np.array([(0.0, 3.0)], kind)[0]
+    call = bound(_difference, pair)
+    del pair
+    assert (call(), call()) == (2.0, 2.0)

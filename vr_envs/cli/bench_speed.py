@@ -35,7 +35,6 @@ def measure(arguments: argparse.Namespace) -> Report:
     from vr_envs.bench.speed.measure import JAX_MISSING, has_jax
     from vr_envs.bench.speed.measure import measure as measured_of
     from vr_envs.bench.speed.picture import picture
-    from vr_envs.bench.speed.startup import startups_of
 
     quick = arguments.quick
     with user_input():
@@ -43,15 +42,13 @@ def measure(arguments: argparse.Namespace) -> Report:
     repeats = arguments.repeats or (3 if quick else 5)
     measured = measured_of(cases, arguments.rows, repeats, 0.02 if quick else 0.1, progress=True)
     ids = list(dict.fromkeys(case.env_id for case in cases))
-    startups = [] if quick else startups_of(ids, progress=True)
     left_out = [] if has_jax() else [JAX_MISSING]
-    left_out += ["With --quick no process is started to see how long compilation takes."] if quick else []
     trainings = []
     if (reason := training.missing()) is None:
         trainings = training.trainings(ids[:1] if quick else ids, 10_000 if quick else 100_000)
     else:
         left_out.append(reason)
-    found = goals(cases, measured, startups)
-    report = account(cases, arguments.rows, measured, found, startups, trainings, left_out)
+    found = goals(cases, measured)
+    report = account(cases, arguments.rows, measured, found, trainings, left_out)
     report.figures["rows"] = picture(cases, measured)
     return report

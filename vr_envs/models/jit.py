@@ -17,7 +17,10 @@ from typing import Any
 
 import numba
 import numba.extending
+from llvmlite import ir
+from numba.core import cgutils
 from numba.core.caching import FunctionCache, IndexDataCacheFile
+from numba.core.datamodel.models import UniTupleModel
 
 PACKAGE = Path(__file__).resolve().parent.parent
 KERNEL_FOLDERS = ("models", "envs")
@@ -98,6 +101,18 @@ def kernel(function: Any) -> Any:
 def intrinsic(function: Any) -> Any:
     """Numba's decorator of that name; callers do not give the typing context, and are not told to."""
     return numba.extending.intrinsic(function)
+
+
+def _load_elements(self: Any, builder: Any, ptr: Any, align: Any = None) -> Any:
+    value = ir.Constant(self.get_value_type(), ir.Undefined)
+    for i in range(self._count):
+        place = cgutils.gep_inbounds(builder, ptr, 0, i)
+        value = builder.insert_value(value, self._elem_model.load_from_data_pointer(builder, place, align), i)
+    return value
+
+
+# Numba loads a tuple of one type whole, which a record cannot be; one of several types it loads like this
+UniTupleModel.load_from_data_pointer = _load_elements
 
 
 @cache

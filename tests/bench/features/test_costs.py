@@ -35,7 +35,7 @@ class Clocked:
     """In place of a batch: so many steps and impacts."""
 
     def __init__(self, steps, impacts):
-        self.steps, self.count, self.instructions = steps, impacts, None
+        self.steps, self.count, self.instructions, self.lockstep = steps, impacts, None, False
 
     def impacts(self):
         return self.count

@@ -12,6 +12,7 @@ from vr_envs.envs.registry import ids, task_of
 
 TASKS = {task.name: task for task in map(task_of, ids())}
 ROWS, STEPS = 4, 12
+HANDFUL = 8  # instructions
 
 
 def shipped_and_stripped(task, scene, rows=ROWS):
@@ -25,9 +26,11 @@ def shipped_and_stripped(task, scene, rows=ROWS):
 
 @pytest.mark.parametrize("task", [*TASKS.values(), TOY], ids=[*TASKS, "toy"])
 def test_options_that_are_off_leave_no_instruction(task):
+    """As many of everything that calculates; a call with fewer arguments may be inlined where the other is not."""
     shipped, stripped = shipped_and_stripped(task, plain(task))
-    assert shipped.optimised == stripped.optimised
-    assert shipped.optimised.total() > 50
+    assert shipped.calculation() == stripped.calculation()
+    assert shipped.calculation().total() > 20
+    assert abs(shipped.optimised.total() - stripped.optimised.total()) <= HANDFUL
 
 
 def test_an_option_of_amplitude_zero_would_be_found_out():
@@ -35,7 +38,7 @@ def test_an_option_of_amplitude_zero_would_be_found_out():
     with stripped_task(TOY, plain(TOY)) as bare:
         stripped = Batch(bare, None, ROWS, STEPS)
         assert same(idle, stripped)
-        assert idle.instructions.optimised != stripped.instructions.optimised
+        assert idle.instructions.optimised.total() > stripped.instructions.optimised.total()
         assert (idle.instructions.calculation() - stripped.instructions.calculation())["fmul"] > 0
 
 
@@ -66,7 +69,7 @@ SCENES = [
 @pytest.mark.parametrize("rows", [ROWS, 64])
 @pytest.mark.parametrize(("task", "name", "scene"), SCENES, ids=[f"{task.name}-{name}" for task, name, _ in SCENES])
 def test_the_other_options_leave_nothing_beside_one_that_is_on(task, name, scene, rows):
-    """No more of anything that calculates; calls may be inlined otherwise, since they have fewer arguments."""
+    """No more of anything that calculates; where a call is inlined in more places than another, there is less."""
     shipped, stripped = shipped_and_stripped(task, scene, rows)
     assert shipped.calculation() - stripped.calculation() == {}
     assert shipped.optimised.total() <= 1.02 * stripped.optimised.total()

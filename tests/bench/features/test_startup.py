@@ -61,7 +61,7 @@ def test_the_command_writes_a_report(toy, capsys, tmp_path, monkeypatch):
     assert {"options_on", "options_off", "finished_rows", "metrics", "warm_starts"} <= set(stored["numbers"])
     (off,) = [cost for cost in stored["numbers"]["options_off"]["toy"] if cost["name"] == "no option"]
     assert off["instructions"]["optimised"] == off["other_instructions"]["optimised"]
-    assert "leaves nothing in the compiled code in 2 of 2 scenes" in out
+    assert "leaves nothing that calculates in the compiled code of 2 of 2 scenes" in out
     assert (tmp_path / "features-options.png").read_bytes()[:4] == b"\x89PNG"
     for title in ("Options that are on: toy", "Options that are off", "Finished rows", "Metrics at the end"):
         assert f"### {title}" in (tmp_path / "features.md").read_text()

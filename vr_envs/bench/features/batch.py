@@ -10,6 +10,7 @@ import numba
 import numpy as np
 
 from vr_envs.bench.features.instructions import Instructions, instructions
+from vr_envs.envs.rows import in_lockstep, row_records
 from vr_envs.envs.task import Task
 from vr_envs.envs.world import NO_LIMIT, World
 
@@ -42,6 +43,7 @@ class Batch:
             fields: values of the records' fields at the start, in place of those that a reset draws.
         """
         self.world = world = World(task, scene, rows)
+        self.lockstep = in_lockstep(task, world.scene, rows)
         self.live = np.ones(rows, np.bool_)
         action = SINK if action is None and task.name == "ball_on_bar" else action
         draws = np.random.default_rng(0).uniform(-CALM, CALM, (steps, rows, world.widths[1]))
@@ -57,23 +59,8 @@ class Batch:
         for step in range(ages):
             world.step(self.actions[step % steps], age > step, NO_LIMIT)
         self.begin = world.states.copy()
-        arguments = self._arguments()
-        self.signature = tuple(numba.typeof(argument) for argument in arguments)
-        self._memory = arguments[0].view(np.uint8)  # where the records are, in whatever order
+        self._memory = world.storage.array.view(np.uint8)
         self._first = self._memory.copy()
-
-    def _arguments(self) -> tuple[Any, ...]:
-        """What the compiled loop over the rows is given for a step; no row moves."""
-        rows, given = self.world.rows, []
-
-        def step(*arguments: Any) -> Any:
-            given.extend(arguments)
-            return rows.step(*arguments)
-
-        self.world.rows = rows._replace(step=step)
-        self.world.step(self.actions[0], ~self.live, NO_LIMIT)
-        self.world.rows = rows
-        return tuple(given)
 
     @property
     def steps(self) -> int:
@@ -102,4 +89,10 @@ class Batch:
     @cached_property
     def instructions(self) -> Instructions:
         """Of the compiled loop over the rows."""
-        return instructions(self.world.rows.step, self.signature)
+        world, rows = self.world, self.live.size
+        results = np.zeros((rows, world.widths[0]), np.float32), np.zeros(rows), ~self.live, ~self.live
+        arguments = (
+            world.storage.array, row_records(self.actions[0]), self.live, NO_LIMIT, row_records(results[0]),
+            *results[1:], world.params, world.options,
+        )  # fmt: skip
+        return instructions(world.rows.step, tuple(numba.typeof(argument) for argument in arguments))

@@ -25,7 +25,8 @@ NO_OPTION = "no option"  # the name of the plain scene
 class Cost:
     """Time (ns per step) and instructions of a scene, and of the one that it is compared with.
 
-    `ratio`: of the times, where steps have impacts per impact, since an option may change their number.
+    `ratio`: of the times, where steps have impacts per impact, since an option may change their number. `lockstep`:
+    whether the rows are moved eight at a time, in the scene and in the other.
     """
 
     name: str
@@ -34,8 +35,14 @@ class Cost:
     ratio: Spread
     impacts: float | None
     other_impacts: float | None
+    lockstep: tuple[bool, bool]
     instructions: Instructions
     other_instructions: Instructions
+
+
+def same_calculation(cost: Cost) -> bool:
+    """Whether both kernels have as many instructions of every kind that calculates."""
+    return cost.instructions.calculation() == cost.other_instructions.calculation()
 
 
 def compare(name: str, batch: Batch, other: Batch, repeats: int, seconds: float) -> Cost:
@@ -51,6 +58,7 @@ def compare(name: str, batch: Batch, other: Batch, repeats: int, seconds: float)
         Spread.of([per_impact * a / b for a, b in zip(times, other_times, strict=True)]),
         impacts,
         other_impacts,
+        (batch.lockstep, other.lockstep),
         batch.instructions,
         other.instructions,
     )

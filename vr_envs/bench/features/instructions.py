@@ -40,12 +40,15 @@ class Instructions(NamedTuple):
 
 
 def instructions(dispatcher: Any, signature: Any) -> Instructions:
-    """Of a kernel that has been compiled for `signature`, or loaded from the cache."""
+    """Of a kernel for arguments of the types `signature`."""
+    dispatcher.compile(signature)
     overload = dispatcher.overloads[signature]
+    library, entry = overload.library, overload.fndesc.mangled_name
     # what Numba links into callers: the optimised code, which a cached kernel has too
-    module, entry = overload.library._get_module_for_linking(), overload.fndesc.mangled_name
-    assembly = overload.library._codegen._tm.emit_assembly(module)
-    return Instructions(_count(_optimised(str(module)), entry), _count(_machine(assembly), entry))
+    code = library._get_module_for_linking()
+    # of a copy, since making machine code of a module changes it
+    assembly = library._codegen._tm.emit_assembly(code.clone())
+    return Instructions(_count(_optimised(str(code)), entry), _count(_machine(assembly), entry))
 
 
 def _count(bodies: Bodies, entry: str) -> Counter[str]:

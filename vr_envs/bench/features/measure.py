@@ -10,11 +10,13 @@ from typing import Any
 from tqdm import tqdm
 
 from vr_envs.bench.features import sentences, skipped, startup, tables
+from vr_envs.bench.features.ahead import compile_ahead
 from vr_envs.bench.features.costs import ROWS, option_costs, pruning_costs
 from vr_envs.bench.features.impacts import impact_costs
 from vr_envs.bench.features.instructions import Instructions
 from vr_envs.bench.features.picture import option_bars
 from vr_envs.bench.report import Report
+from vr_envs.envs.registry import ids as own_ids
 from vr_envs.envs.registry import limit_of, spec_of, task_of
 from vr_envs.envs.task import Task
 
@@ -44,6 +46,7 @@ def report(ids: Sequence[str], effort: Effort, progress: bool = False) -> Report
         ArithmeticError: what should be the same to the byte is not.
     """
     tasks = {task.name: task for task in map(task_of, ids)}
+    compile_ahead([name for name in (spec_of(env_id).id for env_id in ids) if name in own_ids()], progress)
     found = Report("features", "What a scene does not need")
     _options(found, list(tasks.values()), effort, progress)
     if "ball_on_bar" in tasks:

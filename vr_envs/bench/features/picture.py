@@ -23,15 +23,20 @@ def option_bars(costs: Mapping[str, Sequence[Cost]], pruned: Mapping[str, Sequen
     """Time with an option over time without it, one panel a system; and that of absent options."""
     from matplotlib.figure import Figure
 
-    from vr_envs.render.style import BLUE, GREY, INK, ORANGE
+    from vr_envs.render.style import BLUE, GREY, INK, ORANGE, PALE_BLUE
 
-    blue, grey, ink, orange = (tuple(part / 255.0 for part in colour) for colour in (BLUE, GREY, INK, ORANGE))
+    blue, pale, grey, ink, orange = (
+        tuple(part / 255.0 for part in colour) for colour in (BLUE, PALE_BLUE, GREY, INK, ORANGE)
+    )
     tallest = max(len(found) for found in costs.values()) + 1
     figure = Figure((4.2 * len(costs), 1.2 + 0.3 * tallest), layout="constrained")
     panels = figure.subplots(1, len(costs), squeeze=False)[0]
     for axes, (system, found) in zip(panels, costs.items(), strict=True):
         bars = [("all off", pruned[system][0].ratio, orange)]
-        bars += [(cost.name, cost.ratio, blue) for cost in sorted(found, key=lambda cost: cost.ratio.median)]
+        bars += [
+            (cost.name, cost.ratio, pale if cost.lockstep == (False, True) else blue)
+            for cost in sorted(found, key=lambda cost: cost.ratio.median)
+        ]
         for place, (_, ratio, colour) in enumerate(bars):
             axes.barh(place, ratio.median - 1.0, left=1.0, height=0.7, color=colour)
             axes.plot([ratio.minimum, ratio.maximum], [place, place], color=ink, linewidth=1.0)
@@ -52,8 +57,8 @@ def option_bars(costs: Mapping[str, Sequence[Cost]], pruned: Mapping[str, Sequen
         axes.set_title(NAMES.get(system, system), fontsize=10, loc="left")
         axes.spines[["top", "right"]].set_visible(False)
     figure.supxlabel(
-        "time with one option over time without; orange: the shipped kernels with every option off over kernels that "
-        "never had any",
+        "time with one option over time without (pale: with it the rows are moved one by one, without it eight at a "
+        "time); orange: every option off, over kernels that never had any",
         fontsize=9,
     )
     return figure

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from vr_envs.bench.features.costs import Cost
+from vr_envs.bench.features.costs import Cost, same_calculation
 from vr_envs.bench.features.skipped import Finished, Flight, Judging, Rest
 from vr_envs.bench.features.startup import Cold, Start, Warm
 from vr_envs.bench.features.tables import PerSystem
@@ -16,33 +16,38 @@ MESSAGE = 2.0  # s, after which a compilation is announced
 
 def on(costs: PerSystem[Cost]) -> str:
     """What the options cost that are on."""
-    parts = []
+    parts, alone = [], []
     for system, found in costs.items():
         dearest = max(found, key=lambda cost: cost.ratio.median)
         middle = sorted(cost.ratio.median for cost in found)[len(found) // 2]
         parts.append(
             f"{system}: {middle:.2f} in the middle of {len(found)}, {dearest.ratio.median:.3g} for {dearest.name}"
         )
-    return f"An option that is on multiplies the time of a plain scene ({'; '.join(parts)})."
+        names = [cost.name for cost in found if cost.lockstep == (False, True)]
+        if names:
+            alone.append(f"{', '.join(names)} ({system})")
+    text = f"An option that is on multiplies the time of a plain scene ({'; '.join(parts)})"
+    if alone:
+        text += f"; with some the rows are no longer moved eight at a time, which costs more: {'; '.join(alone)}"
+    return f"{text}."
 
 
 def off(costs: PerSystem[Cost]) -> str:
     """Whether the options cost anything that are off."""
     every = [cost for found in costs.values() for cost in found]
-    same = [cost for cost in every if cost.instructions.optimised == cost.other_instructions.optimised]
-    more = [cost.instructions.machine.total() / cost.other_instructions.machine.total() - 1.0 for cost in every]
+    same = [cost for cost in every if same_calculation(cost)]
+    counts = [tuple(c.total() for c in (*cost.instructions, *cost.other_instructions)) for cost in every]
+    more = [own - other for own, _, other, _ in counts]
+    longer = [100.0 * (own / other - 1.0) for _, own, _, other in counts]
     ratios = [cost.ratio.median for cost in every]
-    text = (
-        f"An option that is off leaves nothing in the compiled code in {len(same)} of {len(every)} scenes: instruction "
-        "for instruction as many of each kind, after LLVM's optimisation, as in kernels that never had it"
-    )
-    for cost in every:
-        if cost not in same:
-            extra = cost.instructions.optimised.total() - cost.other_instructions.optimised.total()
-            text += f"; in {cost.name!r} {extra:+d} of {cost.other_instructions.optimised.total()}"
+    sizes = [other for _, _, other, _ in counts]
     return (
-        f"{text}. Machine code has {100.0 * min(more):.1f} to {100.0 * max(more):.1f} % more, which pass the options' "
-        f"null pointers on; time is {min(ratios):.2f} to {max(ratios):.2f} of theirs."
+        f"An option that is off leaves nothing that calculates in the compiled code of {len(same)} of {len(every)} "
+        "scenes: as many floating-point operations, loads and calls of functions of each kind as in kernels that never "
+        f"had it. All in all LLVM's optimised code differs by {min(more):+d} to {max(more):+d} instructions of "
+        f"{min(sizes)} to {max(sizes)}, as calls with fewer arguments are inlined otherwise; machine code, which "
+        f"passes null pointers on, is {min(longer):.1f} to {max(longer):.1f} % longer; time is {min(ratios):.2f} to "
+        f"{max(ratios):.2f} of theirs."
     )
 
 
@@ -69,12 +74,20 @@ def rest(found: Sequence[Rest]) -> str:
 
 def finished(found: PerSystem[Finished], rows: int) -> str:
     """Whether finished rows are stepped."""
-    parts = [f"{some[-1].ratio.median:.2f} ({system})" for system, some in found.items()]
-    last = next(iter(found.values()))[-1]
-    return (
-        f"Finished rows are not stepped: with {last.live} of {rows} rows running a step takes {', '.join(parts)} of "
-        "the time with all, and the others' records do not change."
+    shares = [some[1:] for some in found.values()]
+    parts = [
+        f"{', '.join(f'{some[k].ratio.median:.2f} ({system})' for system, some in zip(found, shares, strict=True))} "
+        f"with {shares[0][k].live}"
+        for k in reversed(range(len(shares[0])))
+    ]
+    text = (
+        "Finished rows are not stepped, and their records do not change. Over the time of a step in which all of "
+        f"{rows} rows run, one takes {' and '.join(parts)} of them, evenly spread"
     )
+    slower = [system for system, some in zip(found, shares, strict=True) if any(f.ratio.median > 1.0 for f in some)]
+    if slower:
+        text += f"; that some of them cost more than all ({', '.join(slower)}) is the price of moving them one by one"
+    return f"{text}."
 
 
 def judging(found: PerSystem[Judging]) -> str:

@@ -100,8 +100,12 @@ def module_names() -> list[str]:
 
 
 def names_in(node: ast.AST) -> set[str]:
-    """The plain names that a piece of source uses."""
-    return {n.id for n in ast.walk(node) if isinstance(n, ast.Name)}
+    """The plain names that a piece of source takes from outside: in a function not its arguments and variables."""
+    names = [n for n in ast.walk(node) if isinstance(n, ast.Name)]
+    if not isinstance(node, ast.FunctionDef):
+        return {n.id for n in names}
+    own = {a.arg for n in ast.walk(node) if isinstance(n, ast.arguments) for a in (*n.args, n.vararg, n.kwarg) if a}
+    return {n.id for n in names} - own - {n.id for n in names if isinstance(n.ctx, ast.Store)}
 
 
 def taken(node: Definition | None) -> list[str]:

@@ -155,7 +155,7 @@ def stripped_sources(entries: Sequence[Name], absent: Collection[str], options: 
         if _is_kernel(whole) or ast.dump(nodes[here]) != ast.dump(whole):
             changed.add(here)
         used = names_in(nodes[here])
-        if left := used & set(absent):
+        if left := {n.id for n in ast.walk(nodes[here]) if isinstance(n, ast.Name)} & set(absent):
             raise StripError(f"{module}.{name} still uses {', '.join(sorted(left))} without the option")
         uses[here] = {files[module].origin(one) for one in used}
         waiting += uses[here]

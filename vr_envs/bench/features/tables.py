@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TypeVar
 
-from vr_envs.bench.features.costs import Cost
+from vr_envs.bench.features.costs import Cost, same_calculation
 from vr_envs.bench.features.impacts import ImpactCost
 from vr_envs.bench.features.skipped import Finished, Flight, Judging, Rest
 from vr_envs.bench.features.startup import Cold, Start, Warm
@@ -21,20 +21,35 @@ def _two(spread: Spread) -> str:
     return f"{middle} ({low} to {high})"
 
 
+def _time(spread: Spread) -> str:
+    """Without a power of ten."""
+    low, middle, high = (f"{value:.0f}" if value >= 100.0 else f"{value:.3g}" for value in spread)
+    return f"{middle} ({low} to {high})"
+
+
 def _change(new: int, old: int) -> str:
     return f"{new} ({new - old:+d})"
 
 
 def option_tables(costs: PerSystem[Cost]) -> list[Table]:
     """One row an option."""
-    head = ["option", "ns per step", "ns without it", "time ratio", "LLVM instructions", "machine instructions"]
+    head = [
+        "option",
+        "in lockstep",
+        "ns per step",
+        "ns without it",
+        "time ratio",
+        "LLVM instructions",
+        "machine instructions",
+    ]
     tables = []
     for system, found in costs.items():
         rows = [
             [
                 cost.name,
-                cost.time.text(),
-                cost.other_time.text(),
+                "yes" if cost.lockstep[0] else "no",
+                _time(cost.time),
+                _time(cost.other_time),
                 _two(cost.ratio),
                 *(
                     _change(own.total(), other.total())
@@ -61,7 +76,7 @@ def pruning_table(costs: PerSystem[Cost]) -> Table:
             cost.name,
             f"{cost.instructions.optimised.total()}",
             f"{cost.other_instructions.optimised.total()}",
-            "yes" if cost.instructions.optimised == cost.other_instructions.optimised else "no",
+            "yes" if same_calculation(cost) else "no",
             f"{cost.instructions.machine.total()}",
             f"{cost.other_instructions.machine.total()}",
             _two(cost.ratio),
@@ -69,18 +84,19 @@ def pruning_table(costs: PerSystem[Cost]) -> Table:
         for system, found in costs.items()
         for cost in found
     ]
-    head = ["system", "scene", "LLVM", "LLVM, cut", "the same kinds", "machine", "machine, cut", "time ratio"]
+    head = ["system", "scene", "LLVM", "LLVM, cut", "calculate alike", "machine", "machine, cut", "time ratio"]
     note = (
         "Instructions of the shipped kernels and of kernels from which the absent options were cut by machine, which "
-        "give the same bytes. An absent option is a null pointer in each call that is not inlined, which machine code "
-        "passes on."
+        "give the same bytes. They calculate alike if they have as many floating-point operations, loads and calls of "
+        "library functions of each kind. An absent option is a null pointer in each call that is not inlined, which "
+        "machine code passes on; and a call with fewer arguments may be inlined where the other is not."
     )
     return Table("Options that are off", head, rows, (0, 1), note)
 
 
 def impact_table(costs: Sequence[ImpactCost]) -> Table:
     """One row a scene of the ball."""
-    rows = [[cost.name, cost.time.text(), f"{cost.impacts:.2f}"] for cost in costs]
+    rows = [[cost.name, _time(cost.time), f"{cost.impacts:.2f}"] for cost in costs]
     return Table("An impact of the ball", ["scene", "ns per impact", "impacts per step"], rows)
 
 
@@ -94,14 +110,17 @@ def flight_table(found: Sequence[Flight]) -> Table:
 
 def rest_table(found: Sequence[Rest]) -> Table:
     """One row a condition."""
-    return Table("Resting ball", ["the ball", "ns per base cycle"], [[rest.name, rest.time.text()] for rest in found])
+    return Table("Resting ball", ["the ball", "ns per base cycle"], [[rest.name, _time(rest.time)] for rest in found])
 
 
 def finished_table(found: PerSystem[Finished], rows: int) -> Table:
     """One row a share of rows that run."""
-    body = [[system, f"{f.live}", f.time.text(), _two(f.ratio)] for system, some in found.items() for f in some]
+    body = [[system, f"{f.live}", _time(f.time), _two(f.ratio)] for system, some in found.items() for f in some]
     head = ["system", f"rows that run, of {rows}", "us per call of step", "over all running"]
-    note = "Default scenes. The records of finished rows are the same bytes afterwards."
+    note = (
+        "Default scenes, the rows that run evenly spread: where rows move eight at a time, a block with a finished one "
+        "goes record by record. The records of finished rows are the same bytes afterwards."
+    )
     return Table("Finished rows", head, body, note=note)
 
 

@@ -11,7 +11,6 @@ from vr_envs.bench.speed.arrays.namespace import NUMPY
 from vr_envs.bench.speed.contestants import CARTPOLE, IMPACTS, Case
 from vr_envs.bench.speed.goals import Goal
 from vr_envs.bench.speed.measure import FAMILIES, NATIVE, SCALAR, SYNC, SYNC_ROWS, Measured
-from vr_envs.bench.speed.startup import Startup
 from vr_envs.bench.timing import Spread
 
 
@@ -71,18 +70,12 @@ def _shared(measured: Measured) -> Table:
 def _aims(goals: Sequence[Goal]) -> Table:
     lines = [
         [
-            g.what, f"{'at least' if g.at_least else 'at most'} {g.wanted:g} {g.unit}", f"{g.found:.3g}",
+            g.what, f"at least {g.wanted:g} {g.unit}", f"{g.found:.3g}",
             "met" if g.met else "not met",
         ]
         for g in goals
     ]  # fmt: skip
     return Table("Goals", ["what", "goal", "found", ""], lines, (0, 1, 3))
-
-
-def _starts(startups: Sequence[Startup]) -> Table:
-    lines = [[s.env_id, f"{s.imports:.2f}", f"{s.compiling:.2f}", f"{s.cached:.2f}"] for s in startups]
-    head = ["default scene", "imports", "first step, compiling", "first step, from the cache"]
-    return Table("A new process: CPU seconds", head, lines, (0,), "First step: make, reset and step one environment.")
 
 
 def _trainings(trainings: Sequence[dict[str, Any]]) -> Table:
@@ -118,7 +111,6 @@ def account(
     rows: Sequence[int],
     measured: Measured,
     goals: Sequence[Goal],
-    startups: Sequence[Startup],
     trainings: Sequence[dict[str, Any]],
     left_out: Sequence[str],
 ) -> Report:
@@ -135,10 +127,11 @@ def account(
                 f"{first['env_id']}: in training, {first['rows']} environments take {share:.0f} % of the CPU time in a "
                 "native batch that they take one by one."
             )
+    opponents = dict.fromkeys(case.opponent for case in cases if case.opponent is not None)
+    sentences += [opponent.note for opponent in opponents if opponent.note]
     tables = [_speeds(cases, measured, rows), _singles(cases, measured)]
     tables += [_aims(goals)] if goals else []
     tables += [_shared(measured)] if measured.shared else []
-    tables += [_starts(startups)] if startups else []
     tables += [_trainings(trainings)] if trainings else []
     numbers = {
         "steps_per_cpu_second": [{**dataclasses.asdict(s), "spread": s.spread._asdict()} for s in measured.speeds],
@@ -147,7 +140,6 @@ def account(
         ],
         IMPACTS: measured.impacts,
         "goals": [{**dataclasses.asdict(g), "met": g.met} for g in goals],
-        "startup_cpu_s": [dataclasses.asdict(s) for s in startups],
         "training_cpu_s": list(trainings),
     }
     return Report("speed", "Speed", [*sentences, *left_out], tables, numbers)

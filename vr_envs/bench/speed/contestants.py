@@ -15,6 +15,8 @@ import gymnasium as gym
 import numpy as np
 
 from vr_envs.bench.speed.arrays.autopilot import AutopilotArrays
+from vr_envs.bench.speed.arrays.autopilot_airliner import AirlinerArrays
+from vr_envs.bench.speed.arrays.ball_on_bar import BallArrays
 from vr_envs.bench.speed.arrays.namespace import Arrays
 from vr_envs.bench.speed.arrays.terrain_ride import RideArrays
 from vr_envs.envs.batch import BatchEnv
@@ -31,7 +33,8 @@ CARTPOLE = "CartPole-v1"
 class Case:
     """A scene of an environment, with a kind of `ACTIONS`.
 
-    `goal`: steps per second that a batch of 1024 rows is to make; `opponent`: the scene on whole arrays, if written.
+    `goal`: steps per second that a batch of 1024 rows is to make; `opponent`: the scene on whole arrays, if written: a
+    class with `start`, `step`, `jax` (whether JAX can compile it) and `note` (a sentence for the report, or None).
     """
 
     env_id: str
@@ -48,11 +51,11 @@ class Case:
 
 
 CASES = (
-    Case("vr_envs/BallOnBar-v0", "bell", "full range", 1e6),
-    Case("vr_envs/BallOnBar-v0", "bell", "small", 1e6),
+    Case("vr_envs/BallOnBar-v0", "bell", "full range", 1e6, BallArrays),
+    Case("vr_envs/BallOnBar-v0", "bell", "small", 1e6, BallArrays),
     Case("vr_envs/Autopilot-v1", "lecture", "full range", 30e6, AutopilotArrays),
     Case("vr_envs/Autopilot-v1", "lecture", "small", 30e6, AutopilotArrays),
-    Case("vr_envs/Autopilot-v1", "airliner", "full range", 10e6),
+    Case("vr_envs/Autopilot-v1", "airliner", "full range", 10e6, AirlinerArrays),
     Case("vr_envs/TerrainRide-v0", "lecture", "full range", 30e6, RideArrays),
     Case("vr_envs/TerrainRide-v0", "road", "full range"),
 )

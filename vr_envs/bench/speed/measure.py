@@ -72,7 +72,7 @@ def _forms(case: Case, rows: int) -> dict[str, Callable[[], None]]:
         forms[SYNC] = sync(case, rows)
     if case.opponent is not None:
         forms[NUMPY.name] = on_arrays(case, rows, NUMPY)
-        if has_jax():
+        if case.opponent.jax and has_jax():
             forms["JAX"] = on_arrays(case, rows, jax_arrays())
     return forms
 

@@ -7,6 +7,7 @@ whose shapes are fixed, for all rows, and not at all in a step where it concerns
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -77,6 +78,13 @@ def bits(xp: Any, key: Any, counter: Any) -> Any:
 def uniform(xp: Any, key: Any, counter: Any) -> Any:
     """Uniform in the open interval (0, 1)."""
     return ((bits(xp, key, counter) >> np.uint64(12)).astype(xp.float64) + 0.5) * 2.0**-52
+
+
+def normal_pair(xp: Any, key: Any, counter: Any) -> tuple[Any, Any]:
+    """Two independent standard normal numbers (Box and Muller), of the draws 2 counter and 2 counter + 1."""
+    radius = xp.sqrt(-2.0 * xp.log(uniform(xp, key, 2 * counter)))
+    angle = 2.0 * math.pi * uniform(xp, key, 2 * counter + 1)
+    return radius * xp.cos(angle), radius * xp.sin(angle)
 
 
 def next_key(xp: Any, key: Any) -> Any:

@@ -26,6 +26,8 @@ _TURN = (-0.906529, 0.268114, -0.396527, 0.580787)
 class RideArrays:
     """`start(keys)` and `step(state, actions)` of the ride in its lecture scene, in episodes of `limit` steps."""
 
+    jax, note = True, None
+
     def __init__(self, arrays: Arrays, scene: Scene, limit: int) -> None:
         """For a scene of sines alone, without the extremes of damping where the spring no longer swings.
 
