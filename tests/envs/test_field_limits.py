@@ -86,6 +86,16 @@ def test_a_span_of_nothing_is_refused(env_id, scene):
         World(task_of(env_id), scene, 1)
 
 
+def test_an_hour_in_one_interval_is_refused_only_with_too_many_renewals_of_the_limits():
+    task, scene = task_of("vr_envs/Autopilot-v1"), {"dt": 3600.0, "demands": None}
+    assert World(task, {**scene, "refresh": 0.36}, 1).scene.params.dt == 3600.0
+    with pytest.raises(ValueError, match="dt = 3600 is not allowed; it must not exceed 10000 refresh = 3590"):
+        World(task, {**scene, "refresh": 0.359}, 1)
+    textbook = {"base": "lecture", "demands": None, "dt": 3600.0, "textbook": {"step": 0.01}}
+    with pytest.raises(ValueError, match="it must not exceed 100000 textbook.step = 1000"):
+        World(task, textbook, 1)
+
+
 @pytest.mark.parametrize("env_id", ids())
 def test_a_saved_state_outside_its_fields_ranges_is_refused_and_changes_nothing(env_id):
     world = World(task_of(env_id), None, 2)

@@ -28,7 +28,7 @@ def measure(arguments: argparse.Namespace) -> Report:
     """Measure and report."""
     if not hasattr(time, "CLOCK_THREAD_CPUTIME_ID"):
         raise UserError(
-            "the steps are timed with the clock of a thread's CPU time, which this system lacks; use a POSIX one"
+            "steps are timed with the clock of a thread's CPU time, which this system lacks; use a POSIX one"
         )
     from vr_envs.bench.stress.measure import QUICK, all_tried, report
     from vr_envs.bench.stress.trial import named

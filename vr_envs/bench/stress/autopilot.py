@@ -105,15 +105,17 @@ def intervals(first: int, number: int, trace: np.ndarray) -> Outcome:
 
 def _apart(scene: dict[str, Any], whole: float, parts: int, seed: int) -> float:
     """The largest difference of the flights, over what the flight changes and 1 m, 1 m/s, 1 rad."""
-    worlds = [World(TASK, {**scene, "dt": dt}, 2) for dt in (whole, whole / parts)]
     actions = np.random.default_rng([seed, 1]).uniform(-1.0, 1.0, (2, 3))
-    rows, keys = np.arange(2), np.array([seed, seed + 1], np.uint64)
-    for world, count in zip(worlds, (1, parts), strict=True):
-        world.reset(rows, keys, np.empty((2, world.widths[0]), np.float32))
-        before = world.copy()
+    world, ends = World(TASK, {**scene, "dt": whole}, 2), []
+    world.reset(np.arange(2), np.array([seed, seed + 1], np.uint64), world.observe())
+    before = world.copy()
+    for count in (1, parts):
+        world = World(TASK, {**scene, "dt": whole / count}, 2)
+        world.load(before, np.arange(2))
         for _ in range(count):
             world.step(actions.copy(), np.ones(2, np.bool_), 1 << 62)
-    one, many = (world.copy() for world in worlds)
+        ends.append(world.copy())
+    one, many = ends
     apart = 0.0
     for name in ("altitude", "speed", "x", "z", "vertical_speed", "acceleration", "turn_rate", "heading"):
         difference = one[name] - many[name]

@@ -208,6 +208,8 @@ def _judge(states, motion, course, options, log, spare, rests):
 def walk(case, times, trace, states, action, settings, options, log, spare, scratch):
     """Walk a ball as the `Settings` say and write the record `CASE`; a ball that is lost is started anew.
 
+    The walk ends where the model says that it gives up, in an interval of too many impacts.
+
     `states`: four records of the task's state: the ball, what it was before the interval, what it starts from, and one
     to work with.
     """
@@ -219,8 +221,7 @@ def walk(case, times, trace, states, action, settings, options, log, spare, scra
         judged = step % settings.every == 0
         states[1] = states[0]
         state = states[0]
-        if judged:
-            begin = thread_time(scratch)
+        begin = thread_time(scratch) if judged else 0
         advance(
             state, action, params, scatter, spin, friction, softening, curve, frequencies, ramp, sensing, camera,
             textbook, log,
@@ -248,10 +249,10 @@ def walk(case, times, trace, states, action, settings, options, log, spare, scra
                 value, _, _ = gap(course, end, state.x, state.z, state.u, state.w)
                 if value < -DEEPEST * (1.0 + abs(state.z)):
                     case.code = _THROUGH
-        if case.code != 0 or case.count >= settings.impacts:
+        if case.code != 0 or case.told > 0 or case.count >= settings.impacts:
             return
         state.steps += 1
-        if state.lost or state.fault:
+        if state.lost:
             episode += 1
             _begin(states, settings, params, episode, curvature)
 

@@ -45,7 +45,8 @@ def draw_value(field: dataclasses.Field[Any], draw: np.random.Generator) -> Any:
     elif draw.uniform() < 0.5:
         value = draw.uniform(low, high)
     else:  # near the usual value
-        value = float(np.clip(field.default * draw.uniform(0.5, 2.0), low, high))
+        usual: Any = field.default
+        value = float(np.clip(usual * draw.uniform(0.5, 2.0), low, high))
     value = min(high, max(low, value))
     return round(value) if str(field.type) == "int" else float(value)
 

@@ -140,9 +140,7 @@ def _sentences(findings: list[Finding]) -> list[str]:
             f"The slowest step took {_time(slow.slowest)} us ({slow.trial.name}, case {slow.slowest_seed}); the median "
             f"of that trial is {_time(slow.quantiles[0])} us."
         )
-    lines.append(
-        "Pendulum, spring, thread and fabric of the lecture are not in this suite, so nothing of them was tried."
-    )
+    lines.append("The lecture's pendulum, spring, thread and fabric are not in this suite: nothing of them was tried.")
     return lines
 
 

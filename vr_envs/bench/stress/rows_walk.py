@@ -142,9 +142,9 @@ def judge(
 ) -> None:
     """Walk one case, whose seed is the key of the settings; `check` returns (0 or a number of `reasons`, figure)."""
     world = World(task, scene, 1)
-    dtype = world.states.dtype
-    words = [k for name in dtype.names or () if dtype[name].base.kind == "f" for k in _words(dtype, name)]
-    fault = dtype.fields["fault"][1] // 8 if "fault" in (dtype.names or ()) else -1
+    dtype: Any = world.states.dtype
+    words = [k for name in dtype.names if dtype[name].base.kind == "f" for k in _words(dtype, name)]
+    fault = dtype.fields["fault"][1] // 8 if "fault" in dtype.names else -1
     box = world.observation_space
     case, before = np.zeros(1, CASE), np.zeros(2, dtype)
     acts, obs = np.zeros((1, world.widths[1])), np.zeros((1, world.widths[0]), np.float32)
@@ -161,9 +161,8 @@ def judge(
     outcome.take(settings.key, case[0], REASONS + reasons)
 
 
-def _words(dtype: np.dtype[Any], name: str) -> range:
+def _words(dtype: Any, name: str) -> range:
     """Which 64-bit words of a record hold a field."""
-    assert dtype.fields is not None
     first = dtype.fields[name][1] // 8
     return range(first, first + dtype.fields[name][0].itemsize // 8)
 

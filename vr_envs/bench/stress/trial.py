@@ -31,8 +31,8 @@ CASE = np.dtype(
 worst figure, how many steps were timed and the slowest of them (s), and how often the model said that it could not go
 on."""
 
-_AGAIN = 5  # of the slowest cases are run again
-_RUNS = 5  # times each
+_AGAIN = 3  # of the slowest cases are run again
+_RUNS = 3  # times each
 _TRACED = 1 << 20  # steps of such a case
 UNTRACED = np.zeros(0)
 _CHUNK = 0.4  # s, between two steps of the progress
