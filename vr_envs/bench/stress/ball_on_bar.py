@@ -43,7 +43,12 @@ def losses(seed: int) -> Walk:
         "half_length": 1.0,
     }
     return _walk(
-        seed, scene, actions=int(draw.choice([CONSTANT, UNIFORM])), height=_log_uniform(draw, 1e-12, 0.1), speed=0.01
+        seed,
+        scene,
+        intervals=20,
+        actions=int(draw.choice([CONSTANT, UNIFORM])),
+        height=_log_uniform(draw, 1e-12, 0.1),
+        speed=0.01,
     )
 
 

@@ -63,7 +63,7 @@ def _go_on(world: World, actions: np.ndarray, parts: np.ndarray | None = None) -
                 whole[live] = new[live]
         assert together is not None
         seen.append(together[:3])
-    return Flight(*(np.array([step[k] for step in seen]) for k in range(3)), world.copy())
+    return Flight._make([*(np.array([step[k] for step in seen]) for k in range(3)), world.copy()])
 
 
 def _same(one: Flight, other: Flight, rows: Any) -> bool:
@@ -102,7 +102,7 @@ def _restored(task: Task, scene: str, keys: np.ndarray, actions: np.ndarray, one
     _go_on(world, actions[:half])
     other = _start(task, scene, keys[::-1].copy())
     other.load(world.copy()[order], np.arange(ROWS))
-    rest = Flight(*(a[half:] for a in one[:3]), one.records)
+    rest = Flight._make([*(a[half:] for a in one[:3]), one.records])
     return _same(rest, _go_on(other, actions[half:, order]), order)
 
 
