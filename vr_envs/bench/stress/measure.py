@@ -25,9 +25,14 @@ class Finding:
     trial: Trial
     cases: int
     outcome: Outcome
-    slowest: float  # s, the slowest step; 0 without timed steps
-    slowest_seed: int
+    again: float  # s, the slowest step of the slowest cases in several runs; 0 without timed steps
+    again_seed: int
     seconds: float  # CPU time
+
+    @property
+    def seen(self) -> float:
+        """The slowest step (s) of all, in the one run: what else the machine did is in it, so a bound from above."""
+        return max((seconds for seconds, _ in self.outcome.slowest), default=0.0)
 
     @property
     def quantiles(self) -> list[float]:
@@ -94,17 +99,19 @@ def _times_table(findings: list[Finding]) -> Table:
             f.trial.name,
             number(int(f.outcome.times.sum())),
             *(_time(seconds) for seconds in f.quantiles),
-            _time(f.slowest),
-            str(f.slowest_seed),
+            _time(f.seen),
+            _time(f.again),
+            str(f.again_seed),
         ]
         for f in timed
     ]
     note = (
         "CPU time of the thread, the reading of its clock included; a step is a control interval, in ball-grazing one "
-        "flight and in ball-lens one cycle. The slowest is the largest over the steps of the least over several runs "
-        "of the slowest cases. p99.99 has the machine's interruptions in it."
+        "flight and in ball-lens one cycle. The slowest of all, and p99.99, have the machine's interruptions in them. "
+        "The three slowest cases were run again, three times: each of their steps counts with its least time, and the "
+        "slowest of these is told with its case."
     )
-    head = ["trial", "steps timed", "p50, us", "p99, us", "p99.99, us", "slowest, us", "its case"]
+    head = ["trial", "steps timed", "p50, us", "p99, us", "p99.99, us", "slowest, us", "again, us", "case"]
     return Table("Time per step", head, rows, (0,), note)
 
 
@@ -133,12 +140,14 @@ def _sentences(findings: list[Finding]) -> list[str]:
             f"The deepest passage of a ball through its bar or lens, in trials of {number(count)} impacts, is "
             f"{worst.outcome.worst:.1e} m ({worst.trial.name})."
         )
-    timed = [f for f in findings if f.slowest > 0.0]
+    timed = [f for f in findings if f.seen > 0.0]
     if timed:
-        slow = max(timed, key=lambda f: f.slowest)
+        slow = max(timed, key=lambda f: f.again)
+        seen = max(timed, key=lambda f: f.seen)
         lines.append(
-            f"The slowest step took {_time(slow.slowest)} us ({slow.trial.name}, case {slow.slowest_seed}); the median "
-            f"of that trial is {_time(slow.quantiles[0])} us."
+            f"The slowest step of all took {_time(seen.seen)} us ({seen.trial.name}), interruptions included; the "
+            f"slowest that is so again and again {_time(slow.again)} us ({slow.trial.name}, case {slow.again_seed}; "
+            f"the trial's median is {_time(slow.quantiles[0])} us)."
         )
     lines.append("The lecture's pendulum, spring, thread and fabric are not in this suite: nothing of them was tried.")
     return lines
@@ -162,8 +171,9 @@ def _numbers(finding: Finding) -> dict[str, Any]:
         "worst_seed": outcome.worst_seed,
         "steps_timed": int(outcome.times.sum()),
         "us_p50_p99_p9999": [1e6 * seconds for seconds in finding.quantiles],
-        "slowest_us": 1e6 * finding.slowest,
-        "slowest_seed": finding.slowest_seed,
+        "slowest_us": 1e6 * finding.seen,
+        "slowest_again_us": 1e6 * finding.again,
+        "slowest_again_seed": finding.again_seed,
         "cpu_seconds": finding.seconds,
     }
 

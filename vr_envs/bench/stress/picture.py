@@ -46,12 +46,13 @@ def step_times(findings: Sequence[Finding]) -> Figure | None:
     figure, axes = _frame(timed, "Time per step", "CPU time (us)")
     for y, finding in enumerate(timed):
         times = [1e6 * seconds for seconds in finding.quantiles]
-        slowest = 1e6 * finding.slowest
-        axes.plot([times[0], max(slowest, times[1])], [y, y], color=_paint(PALE_BLUE), lw=5, zorder=1)
+        axes.plot([times[0], 1e6 * finding.seen], [y, y], color=_paint(PALE_BLUE), lw=5, zorder=1)
         for (name, marker, colour), time in zip(MARKS, times, strict=True):
             axes.plot(time, y, marker, color=_paint(colour), ms=5, label=name if y == 0 else None, zorder=3)
-        axes.plot(slowest, y, "X", color=_paint(RED), ms=8, label="slowest" if y == 0 else None, zorder=4)
-    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, borderaxespad=0.0, fontsize=8, frameon=False)
+        axes.plot(1e6 * finding.seen, y, "x", color=_paint(RED), ms=7, label="slowest" if y == 0 else None, zorder=4)
+        again = "slowest when run again" if y == 0 else None
+        axes.plot(1e6 * finding.again, y, "X", color=_paint(ORANGE), ms=7, label=again, zorder=4)
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=5, borderaxespad=0.0, fontsize=8, frameon=False)
     return figure
 
 

@@ -122,7 +122,7 @@ def share_below(times: np.ndarray, share: float) -> float:
 
 
 def slowest_step(trial: Trial, outcome: Outcome) -> tuple[float, int]:
-    """The slowest step (s) and its case: each step of the slowest cases counts with the least of several runs.
+    """The slowest step (s) of the slowest cases, run several times, and its case: of each step the least time counts.
 
     What else the machine did meanwhile, which is in the time of one run, is hardly in all of them.
     """
