@@ -71,7 +71,8 @@ def test_evaluate_prints_a_table_per_level_and_writes_json(toy, capsys, tmp_path
     arguments = ["evaluate", toy, "--scene", "biased", "--level", "all", "--scenarios", "10", "--seed", "2"]
     assert main([*arguments, "--policies", "cancel, random", "--json", str(path)]) == 0
     captured = capsys.readouterr()
-    assert captured.err == ""
+    told = [line for line in captured.err.splitlines() if not line.startswith("vr_envs: compiling")]  # a busy machine
+    assert told == []
     assert captured.out.count("10 held-out scenarios (seed 2)") == 3
     assert "| cancel" in captured.out
     assert "| proportional" not in captured.out

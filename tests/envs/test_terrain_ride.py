@@ -50,7 +50,7 @@ def test_a_stop_in_contact_scores_nothing_and_a_crushed_one_ends():
         assert info["travel_peak_mm"] == 1e3 * abs(env.get_state()["travel"])
 
 
-def test_more_contacts_than_can_be_followed_end_the_episode_as_a_fault():
+def test_contacts_of_the_fastest_motion_that_a_scene_allows_are_all_followed():
     scene = {"mass": 1.0, "spring_rate": 1e7, "modulus_high": 100.0, "damping_low": 1e-3, "payload": None}
     env = TerrainRideEnv(scene=scene)
     env.reset(seed=0)
@@ -58,8 +58,8 @@ def test_more_contacts_than_can_be_followed_end_the_episode_as_a_fault():
     state["velocity"], state["position"] = 1e4, [-1.0, 1.0]
     env.set_state(state)
     _, reward, terminated, _, info = env.step(np.array([-1.0, 1.0]))
-    assert (reward, terminated) == (0.0, True)
-    assert info["fault"] is True and not info["is_success"]
+    assert (reward, terminated) == (0.0, True)  # a stop was crushed
+    assert info["stop_hits"] > 64 and info["fault"] is False and not info["is_success"]
 
 
 @pytest.mark.parametrize("stop", [None, {"crush": 10.0}])

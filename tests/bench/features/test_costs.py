@@ -35,9 +35,13 @@ def test_a_task_one_by_one_has_no_lockstep_and_is_the_same_else():
     task = TASKS["autopilot"]
     assert task.lockstep is not None and costs.one_by_one(task).lockstep is None
     assert costs.one_by_one(task).advance is task.advance
-    assert costs.lockstep_possible(task, {"base": "airliner"})
-    assert not costs.lockstep_possible(task, {"base": "airliner", "sensing": True})
-    assert not costs.lockstep_possible(TASKS["ball_on_bar"], {"base": "bell"})
+
+
+def test_the_options_that_exclude_lockstep_are_named():
+    assert {"shear", "sensing"} <= set(costs.outside_lockstep(TASKS["autopilot"]))
+    assert not {"turbulence", "demands"} & set(costs.outside_lockstep(TASKS["autopilot"]))
+    assert "tyre" in costs.outside_lockstep(TASKS["terrain_ride"])
+    assert "road" not in costs.outside_lockstep(TASKS["terrain_ride"])
 
 
 class Clocked:

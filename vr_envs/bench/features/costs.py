@@ -29,9 +29,11 @@ def one_by_one(task: Task) -> Task:
     return dataclasses.replace(task, lockstep=None)
 
 
-def lockstep_possible(task: Task, scene: Changes) -> bool:
-    """Whether a large batch moves the rows of a scene in lockstep."""
-    return in_lockstep(task, resolve(task, scene), LOCKSTEP_FROM)
+def outside_lockstep(task: Task) -> list[str]:
+    """The options with which the rows of a large batch are moved one by one; the default scene has none of them."""
+    default = resolve(task, task.default_scene).options
+    others = [case for case in cases(task) if default[case.option] is None]
+    return [case.option for case in others if not in_lockstep(task, resolve(task, case.with_it), LOCKSTEP_FROM)]
 
 
 @dataclasses.dataclass(frozen=True)

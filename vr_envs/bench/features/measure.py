@@ -11,8 +11,7 @@ from tqdm import tqdm
 
 from vr_envs.bench.features import sentences, skipped, startup, tables
 from vr_envs.bench.features.ahead import compile_ahead
-from vr_envs.bench.features.cases import cases
-from vr_envs.bench.features.costs import ROWS, lockstep_cost, lockstep_possible, option_costs, pruning_costs
+from vr_envs.bench.features.costs import ROWS, lockstep_cost, option_costs, outside_lockstep, pruning_costs
 from vr_envs.bench.features.impacts import impact_costs
 from vr_envs.bench.features.instructions import Instructions
 from vr_envs.bench.features.picture import option_bars
@@ -62,7 +61,7 @@ def _options(found: Report, tasks: list[Task], effort: Effort, progress: bool) -
     on = {task.name: option_costs(task, *given) for task in tasks}
     off = {task.name: pruning_costs(task, *given) for task in tasks}
     lockstep = {t.name: lockstep_cost(t, *given[:-1]) for t in tasks if t.lockstep is not None}
-    alone = {t.name: [c.option for c in cases(t) if not lockstep_possible(t, c.with_it)] for t in tasks}
+    alone = {t.name: outside_lockstep(t) for t in tasks}
     found.sentences += [sentences.on(on), sentences.off(off)]
     found.tables += [*tables.option_tables(on), tables.pruning_table(off)]
     if lockstep:
