@@ -45,7 +45,7 @@ NUMPY = Arrays("NumPy", np, _where_numpy, lambda function: function)
 
 def jax_arrays() -> Arrays:
     """JAX on the CPU in float64, compiled (`jax.jit`), the state's memory given back to it."""
-    import jax
+    import jax  # pyright: ignore[reportMissingImports] (an extra of its own)
 
     jax.config.update("jax_enable_x64", True)  # before anything is made
 
