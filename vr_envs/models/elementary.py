@@ -26,7 +26,7 @@ _LN2_HIGH, _LN2_LOW = 6.93147180369123816490e-01, 1.90821492927058770002e-10
 _HALF_PI_1, _HALF_PI_2, _HALF_PI_3, _HALF_PI_4 = (
     1.57079632673412561417e00, 6.07710050630396597660e-11, 2.02226624871116645580e-21, 8.47842766036889956997e-32,
 )  # fmt: skip
-_SQRT_HALF_BITS = 0x3FE6A09E00000000  # of about sqrt(1/2): the mantissas of `_log_parts` begin there
+_SQRT_HALF_BITS = 0x3FE6A09E00000000  # of about sqrt(1/2): the mantissas of `_split` begin there
 
 _E2, _E3, _E4, _E5, _E6, _E7, _E8, _E9, _E10, _E11, _E12, _E13 = (1.0 / math.factorial(n) for n in range(2, 14))
 _L1, _L2, _L3, _L4, _L5, _L6, _L7 = (
