@@ -32,7 +32,7 @@ def measure(arguments: argparse.Namespace) -> Report:
     from vr_envs.bench.speed.account import account
     from vr_envs.bench.speed.contestants import cases_of
     from vr_envs.bench.speed.goals import goals
-    from vr_envs.bench.speed.measure import JAX_MISSING, has_jax
+    from vr_envs.bench.speed.measure import JAX_LEFT_OUT, JAX_MISSING, has_jax
     from vr_envs.bench.speed.measure import measure as measured_of
     from vr_envs.bench.speed.picture import picture
 
@@ -40,9 +40,10 @@ def measure(arguments: argparse.Namespace) -> Report:
     with user_input():
         cases = cases_of(arguments.id)
     repeats = arguments.repeats or (3 if quick else 5)
-    measured = measured_of(cases, arguments.rows, repeats, 0.02 if quick else 0.1, progress=True)
+    jax = has_jax() and not quick
+    measured = measured_of(cases, arguments.rows, repeats, 0.02 if quick else 0.1, jax, progress=True)
     ids = list(dict.fromkeys(case.env_id for case in cases))
-    left_out = [] if has_jax() else [JAX_MISSING]
+    left_out = [] if jax else [JAX_LEFT_OUT if quick else JAX_MISSING]
     trainings = []
     if (reason := training.missing()) is None:
         trainings = training.trainings(ids[:1] if quick else ids, 10_000 if quick else 100_000)

@@ -24,6 +24,7 @@ NATIVE, SCALAR, SYNC = "native batch", "scalar", "SyncVectorEnv"
 FAMILIES = (NATIVE, NUMPY.name, "JAX", SYNC, SCALAR)
 SYNC_ROWS = 64  # a loop over environments: with more rows it is as fast per step
 THREADS_FROM = 1024  # rows: less is too little work to share
+JAX_LEFT_OUT = "With --quick JAX is not measured: it compiles anew for every number of rows."
 JAX_MISSING = "JAX was not measured: it is not installed (`pip install 'vr_envs[jax]'`)."
 
 
@@ -66,13 +67,13 @@ class Measured:
         return next((s.spread for s in self.speeds if (s.case, s.family, s.rows) == (case, family, rows)), None)
 
 
-def _forms(case: Case, rows: int) -> dict[str, Callable[[], None]]:
+def _forms(case: Case, rows: int, jax: bool) -> dict[str, Callable[[], None]]:
     forms = {NATIVE: native(case, rows)}
     if rows <= SYNC_ROWS:
         forms[SYNC] = sync(case, rows)
     if case.opponent is not None:
         forms[NUMPY.name] = on_arrays(case, rows, NUMPY)
-        if case.opponent.jax and has_jax():
+        if jax and case.opponent.jax:
             forms["JAX"] = on_arrays(case, rows, jax_arrays())
     return forms
 
@@ -115,9 +116,11 @@ def in_threads(case: Case, rows: int, threads: int, repeats: int, seconds: float
 
 
 def measure(
-    cases: Sequence[Case], rows: Sequence[int], repeats: int, seconds: float, progress: bool = False
+    cases: Sequence[Case], rows: Sequence[int], repeats: int, seconds: float, jax: bool = True, progress: bool = False
 ) -> Measured:
     """Time all forms of the cases at every number of rows, each `repeats` times for about `seconds`.
+
+    `jax`: JAX too, which must be installed.
 
     Raises:
         ValueError: rows or repeats below 1.
@@ -134,7 +137,7 @@ def measure(
             bar.update()
         speeds = _singles(cases, repeats, seconds)
         for case, count in pairs:
-            speeds += _rates(case.label, _forms(case, count), count, repeats, seconds)
+            speeds += _rates(case.label, _forms(case, count, jax), count, repeats, seconds)
             bar.update()
         for case in cases:
             if threads > 1 and max(rows) >= THREADS_FROM:

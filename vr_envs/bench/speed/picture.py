@@ -40,10 +40,11 @@ def picture(cases: Sequence[Case], measured: Measured) -> Figure:
         ax.set_axisbelow(True)
         if (cartpole := measured.of(CARTPOLE, SCALAR, 1)) is not None:
             ax.axhline(cartpole.median, color=_rgb(GREY), linewidth=0.8)
-            ax.annotate(
-                CARTPOLE, (1.0, cartpole.median), xycoords=("axes fraction", "data"), xytext=(-3, 2),
-                textcoords="offset points", ha="right", color=_rgb(GREY), fontsize=8,
-            )  # fmt: skip
+            if ax is axes[-1]:
+                ax.annotate(
+                    CARTPOLE, (1.0, cartpole.median), xycoords=("axes fraction", "data"), xytext=(-3, 2),
+                    textcoords="offset points", ha="right", color=_rgb(GREY), fontsize=8,
+                )  # fmt: skip
         for case, dash in zip(own, _DASHES, strict=False):
             for family in FAMILIES:
                 points = [s for s in measured.speeds if (s.case, s.family) == (case.label, family)]
