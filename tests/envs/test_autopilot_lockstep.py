@@ -37,6 +37,25 @@ def test_lockstep_gives_the_same_bytes(scene):
     assert odd > 50 or scene["base"] == "lecture"  # which has nothing to renew
 
 
+def test_rows_that_do_not_run_stay_as_they_are():
+    pair = both_ways(AutopilotBatchEnv, "airliner", ROWS, None)
+    for env in pair:
+        env.reset(seed=4)
+    rng = np.random.default_rng(1)
+    live = rng.random(ROWS) < 0.6
+    live[8:16], live[16:24] = False, True
+    for k in range(150):  # long enough for new demands
+        before = pair[0].get_state()
+        actions = rng.uniform(-0.3, 0.3, (ROWS, 3))
+        one, other = (env.world.step(actions, live, 100) for env in pair)
+        for left, right in zip(one[1:], other[1:], strict=True):
+            assert left.tobytes() == right.tobytes() and not left[~live].any()
+        assert one.obs[live].tobytes() == other.obs[live].tobytes()
+        after = pair[0].get_state()
+        assert after.tobytes() == pair[1].get_state().tobytes()
+        assert after[~live].tobytes() == before[~live].tobytes() and (after["steps"][live] == k + 1).all()
+
+
 def test_what_cannot_go_in_lockstep_goes_row_by_row():
     for scene in ("airliner-rough", {"shear": True}, {"track": True}, {"base": "lecture", "sensing": True}):
         assert isinstance(AutopilotBatchEnv(ROWS, scene).world.storage, Plain)

@@ -185,12 +185,13 @@ class BatchEnv(gym.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         return obs, rewards, terminated, truncated, infos
 
     def _end_infos(self, done: np.ndarray, rows: np.ndarray) -> dict[str, Any]:
-        """Metrics of the `rows` that are `done`, in the layout of `VectorEnv._add_info`."""
+        """Metrics of the `rows` that are `done`, in the layout of `VectorEnv._add_info`; one mask serves them all."""
         infos: dict[str, Any] = {}
+        mask = done.copy()
         for name, values in self.world.metrics(rows).items():
             infos[name] = column = np.zeros(self.num_envs, values.dtype)
             column[rows] = values
-            infos[f"_{name}"] = done.copy()
+            infos[f"_{name}"] = mask
         return infos
 
     def _final(self, done: np.ndarray, rows: np.ndarray, obs: np.ndarray, infos: dict[str, Any]) -> dict[str, Any]:

@@ -10,9 +10,9 @@ import numpy as np
 from vr_envs.envs.scene import Scene
 from vr_envs.envs.task import Task
 from vr_envs.models.jit import kernel
-from vr_envs.models.lane_records import block_at, lane, record_at
+from vr_envs.models.lane_records import blank_block, block_at, copy_lanes, lane, record_at
 from vr_envs.models.lane_rows import blank_rows, gathered, load_lanes, scatter, store_lanes
-from vr_envs.models.lanes import WIDTH, all_lanes, any_lane
+from vr_envs.models.lanes import WIDTH, all_lanes, any_lane, negate, where
 
 LOCKSTEP_FROM = 4 * WIDTH
 
@@ -23,7 +23,8 @@ class Rows(NamedTuple):
     `states` are records one after another, or blocks of them (`vr_envs.models.lane_records`).
     `reset(states, rows, keys, obs, params, options)`: start afresh the given rows from the given keys.
     `step(states, actions, live, limit, obs, rewards, terminated, truncated, params, options) -> int`: move the
-    live rows by one control interval; 1 if an episode has ended, else 0. With a non-finite action, -1 - i if row i is
+    live rows by one control interval; 1 if an episode has ended, else 0. Of the others the record stays as it is, and
+    what is written to `obs` is arbitrary. With a non-finite action, -1 - i if row i is
     the first that has one, and then nothing has changed. Actions are clipped to [-1, 1] in place; `actions` and `obs`
     are given as `row_records`.
     `observe(states, obs, params, options)`: observations of all rows.
@@ -100,22 +101,25 @@ def _build(start: Any, advance: Any, outcome: Any, observe: Any, ready: Any, adv
         n = rewards.shape[0]
         for b in range(states.shape[0]):
             block, first, last = block_at(states, b), b * WIDTH, min(n, (b + 1) * WIDTH)
-            if (
-                last - first == WIDTH
-                and all_lanes(load_lanes(live, first))
-                and all_lanes(ready(block, params, *options))
-            ):
+            if last - first == WIDTH and all_lanes(ready(block, params, *options)):
+                alive, before = load_lanes(live, first), blank_block(block)
+                if not any_lane(alive):
+                    continue
+                if not all_lanes(alive):
+                    copy_lanes(block, before, negate(alive))
                 action, row = gathered(actions, first), blank_rows(obs)
                 advance_block(block, action, params, *options)
                 block.steps += 1
                 reward, failed = outcome(block, action, params, *options)
-                late = block.steps >= limit
-                store_lanes(rewards, first, reward)
+                failed, late = failed & alive, (block.steps >= limit) & alive
+                store_lanes(rewards, first, where(alive, reward, 0.0))
                 store_lanes(terminated, first, failed)
                 store_lanes(truncated, first, late)
                 ended = ended or any_lane(failed | late)
                 observe(block, row, params, *options)
                 scatter(row, obs, first)
+                if not all_lanes(alive):
+                    copy_lanes(before, block, negate(alive))
             else:
                 for i in range(first, last):
                     if live[i]:

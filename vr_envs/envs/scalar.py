@@ -58,7 +58,7 @@ class ScalarEnv(gym.Env[np.ndarray, np.ndarray]):
         if options and options.get("state") is not None:
             obs = self.world.observe()
         else:
-            keys = np.array([episode_key(self.np_random)]) if keys is None else keys
+            keys = np.array([episode_key(self.np_random)], np.uint64) if keys is None else keys
             obs = np.empty((1, self.world.widths[0]), np.float32)
             self.world.reset(self._row, keys, obs)
             self._restored = False

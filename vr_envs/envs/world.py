@@ -21,7 +21,6 @@ from vr_envs.envs.workspace import Results, Workspace
 from vr_envs.models.record import dtype_of
 
 NO_LIMIT = np.iinfo(np.int64).max  # control intervals
-_LARGEST_KEY = np.iinfo(np.uint64).max
 
 
 def box(channels: tuple[Channel, ...]) -> Box:
@@ -30,9 +29,9 @@ def box(channels: tuple[Channel, ...]) -> Box:
     return Box(low, high, dtype=np.float32)
 
 
-def episode_key(generator: np.random.Generator) -> np.uint64:
+def episode_key(generator: np.random.Generator) -> int:
     """The 64-bit key from which an episode draws its start and all its disturbances."""
-    return generator.integers(_LARGEST_KEY, dtype=np.uint64, endpoint=True)
+    return generator.bit_generator.random_raw()  # what `generator.integers` of all 64 bits gives, ten times as fast
 
 
 def simulator_of(task_name: str, scene: Scene) -> Any:
