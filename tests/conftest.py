@@ -1,3 +1,4 @@
+import gymnasium as gym
 import pytest
 from hypothesis import settings
 
@@ -12,3 +13,13 @@ def toy(monkeypatch, tmp_path):
     from tests.toy import toy_in
 
     return toy_in(monkeypatch, tmp_path)
+
+
+@pytest.fixture
+def limited(monkeypatch):
+    """Register an id anew with another time limit, for one test."""
+
+    def register(id, steps):
+        monkeypatch.setattr(gym.registry[id], "max_episode_steps", steps)
+
+    return register

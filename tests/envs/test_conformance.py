@@ -9,26 +9,15 @@ from gymnasium.utils.env_checker import check_env as gymnasium_check
 from gymnasium.vector import AutoresetMode
 from stable_baselines3.common.env_checker import check_env as sb3_check
 
-import vr_envs  # noqa: F401
+from tests.envs.sameness import IDS, same
 from vr_envs.envs.scene import resolve
 
-IDS = sorted(id for id in gym.registry if id.startswith("vr_envs/"))
 ROWS, STEPS = 64, 1000
 LIMIT = 70  # steps: short episodes, so that 1000 steps see many ends of both kinds in every row
 
 
 def scenes_of(id):
     return list(gym.make(id).unwrapped.task.scenes)
-
-
-@pytest.fixture
-def limited(monkeypatch):
-    """Register an id anew with another time limit, for one test."""
-
-    def register(id, steps):
-        monkeypatch.setattr(gym.registry[id], "max_episode_steps", steps)
-
-    return register
 
 
 CASES = [(id, scene) for id in IDS for scene in scenes_of(id)]
@@ -39,27 +28,6 @@ PERILOUS = {
     "vr_envs/BallOnBar-v0": {"restitution": 0.8},
     "vr_envs/TerrainRide-v0": {"road": {"iso_class": "E"}},
 }
-
-
-def same(a, b):
-    """The same dtype, shape and bytes, through nested dicts and object arrays."""
-    assert type(a) is type(b), (type(a), type(b))
-    if isinstance(a, list | tuple):
-        for left, right in zip(a, b, strict=True):
-            same(left, right)
-    elif isinstance(a, dict):
-        assert a.keys() == b.keys(), (a.keys(), b.keys())
-        for key in a:
-            same(a[key], b[key])
-    elif isinstance(a, np.ndarray):
-        assert (a.dtype, a.shape) == (b.dtype, b.shape)
-        if a.dtype == object:
-            for left, right in zip(a, b, strict=True):
-                same(left, right)
-        else:
-            assert a.tobytes() == b.tobytes()
-    else:
-        assert a == b
 
 
 @pytest.mark.parametrize("id", IDS)
@@ -286,6 +254,9 @@ def test_bad_arguments_say_what_was_given_and_what_is_allowed(id):
     ]:
         with pytest.raises(ValueError, match=message):
             gym.make(id, **arguments)
+    for steps in (0, 2.5, True):
+        with pytest.raises(ValueError, match="max_episode_steps.*whole number"):
+            gym.make_vec(id, 2, vectorization_mode="vector_entry_point", max_episode_steps=steps)
     with pytest.raises(ValueError, match="num_envs"):
         gym.make_vec(id, 0)
     with pytest.raises(ValueError, match="autoreset_mode = 'sometimes'.*NEXT_STEP"):
@@ -310,59 +281,3 @@ def test_a_spec_survives_json(id):
     env = gym.make(id, scene={"base": scenes_of(id)[0]})
     again = gym.make(gym.envs.registration.EnvSpec.from_json(env.spec.to_json()))
     same(env.reset(seed=4)[0], again.reset(seed=4)[0])
-
-
-@pytest.mark.parametrize("id", IDS)
-def test_a_restored_episode_ends_where_the_record_says(id, limited):
-    limited(id, 12)
-    env = gym.make(id)
-    env.reset(seed=0)
-    action = np.zeros(env.action_space.shape, np.float32)
-    for _ in range(8):
-        env.step(action)
-    saved = env.unwrapped.get_state()
-    on = [env.step(action) for _ in range(4)]
-    assert on[-1][3] and on[-1][4]["is_success"] in (True, False)
-    other = gym.make(id)
-    other.reset(options={"state": saved})
-    same([other.step(action) for _ in range(4)], on)
-    batch, plain = gym.make_vec(id, 2), gym.vector.SyncVectorEnv([lambda: gym.make(id)] * 2)
-    for vector in (batch, plain):
-        vector.reset(seed=1, options={"state": saved})
-    for _ in range(4):
-        actions = np.tile(action, (2, 1))
-        same(batch.step(actions), plain.step(actions))
-    assert batch._done.all()
-
-
-@pytest.mark.parametrize("id", IDS)
-def test_a_batch_takes_one_state_or_one_each(id):
-    batch = gym.make_vec(id, 3)
-    batch.reset(seed=0)
-    states = batch.get_state()
-    batch.reset(options={"state": states[1]})
-    assert [row.tobytes() for row in batch.get_state()] == [states[1].tobytes()] * 3
-    with pytest.raises(ValueError, match="2 records; give one, or one for each of 3"):
-        batch.reset(options={"state": states[:2]})
-
-
-@pytest.mark.parametrize("id", IDS)
-def test_a_refused_reset_changes_nothing(id):
-    env, batch = gym.make(id).unwrapped, gym.make_vec(id, 2)
-    for target in (env, batch):
-        target.reset(seed=1)
-        before = target.get_state().tobytes()
-        with pytest.raises(ValueError, match="not a record of"):
-            target.reset(seed=5, options={"state": np.zeros(1)})
-        assert target.get_state().tobytes() == before
-    twin = gym.make(id).unwrapped
-    twin.reset(seed=1)
-    same(env.reset()[0], twin.reset()[0])
-
-
-@pytest.mark.parametrize("id", IDS)
-def test_keys_of_a_batch_replay_from_a_list(id):
-    batch = gym.make_vec(id, 4)
-    first, _ = batch.reset(seed=3)
-    again, _ = batch.reset(options={"scenario": batch.get_state()["key"].tolist()})
-    same(again, first)

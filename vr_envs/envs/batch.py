@@ -43,9 +43,9 @@ class BatchEnv(gym.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
             engine: one that moves its states in kernels.
             observation: "state" or a sensor.
         """
-        if isinstance(num_envs, bool) or not isinstance(num_envs, int | np.integer) or num_envs < 1:
+        if not _is_count(num_envs):
             raise ValueError(f"num_envs = {num_envs!r}; give a whole number of at least 1")
-        if max_episode_steps is not None and max_episode_steps < 1:
+        if max_episode_steps is not None and not _is_count(max_episode_steps):
             raise ValueError(f"max_episode_steps = {max_episode_steps!r}; give a whole number of at least 1, or None")
         if render_mode is not None:
             raise ValueError(
@@ -115,16 +115,17 @@ class BatchEnv(gym.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         )
         if len(seeds) != self.num_envs:
             raise ValueError(f"{len(seeds)} seeds for {self.num_envs} envs; give one each")
-        if state is not None:  # may refuse, before anything has changed
+        # what may refuse comes before anything has changed
+        generators = {int(i): seeding.np_random(seeds[i]) for i in rows if seeds[i] is not None}
+        if state is not None:
             given = np.atleast_1d(np.asarray(state))
             if len(given) not in (1, self.num_envs):
                 raise ValueError(
                     f"options['state'] has {len(given)} records; give one, or one for each of {self.num_envs} envs"
                 )
             self.world.load(np.broadcast_to(given, self.num_envs)[rows], rows)
-        for i in rows:
-            if seeds[i] is not None:
-                self._generators[i], self._seeds[i] = seeding.np_random(seeds[i])
+        for i, (generator, used) in generators.items():
+            self._generators[i], self._seeds[i] = generator, used
         if state is None:
             unseen = np.empty((self.num_envs, self.world.widths[0]), np.float32)
             self.world.reset(rows, self._keys(rows) if keys is None else keys[rows], unseen)
@@ -210,6 +211,10 @@ class BatchEnv(gym.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         self._done[:] = False
         self._ready[:] = True
         self._begun, self._ended = True, False
+
+
+def _is_count(number: Any) -> bool:
+    return isinstance(number, int | np.integer) and not isinstance(number, bool) and int(number) >= 1
 
 
 def _autoreset_mode(given: str | AutoresetMode) -> AutoresetMode:

@@ -24,9 +24,9 @@ class Rows(NamedTuple):
     `reset(states, rows, keys, obs, params, options)`: start afresh the given rows from the given keys.
     `step(states, actions, live, limit, obs, rewards, terminated, truncated, params, options) -> int`: move the
     live rows by one control interval; 1 if an episode has ended, else 0. Of the others the record stays as it is, and
-    what is written to `obs` is arbitrary. With a non-finite action, -1 - i if row i is
-    the first that has one, and then nothing has changed. Actions are clipped to [-1, 1] in place; `actions` and `obs`
-    are given as `row_records`.
+    what is written to `obs` is arbitrary. With a non-finite action, -1 - i if row i is the first live one that has one,
+    and then no record has changed. Actions are clipped to [-1, 1] in place; `actions` and `obs` are given as
+    `row_records`.
     `observe(states, obs, params, options)`: observations of all rows.
     """
 
@@ -50,13 +50,19 @@ def row_records(array: np.ndarray) -> np.ndarray:
 
 
 @kernel
-def admit(actions: np.ndarray) -> int:
-    """Clip a batch of actions to [-1, 1] in place; return the first row with a non-finite entry, or -1."""
+def admit(actions: np.ndarray, live: np.ndarray) -> int:
+    """Clip the actions of live rows to [-1, 1] in place; return the first of them with a non-finite entry, or -1.
+
+    The other rows' actions, whatever they are, become 0: they may be calculated with, in a block.
+    """
     for i in range(actions.shape[0]):
         row = actions[i].row
         for j in range(row.shape[0]):
-            if not np.isfinite(row[j]):
+            if not live[i]:
+                row[j] = 0.0
+            elif not np.isfinite(row[j]):
                 return i
+        for j in range(row.shape[0]):
             row[j] = min(1.0, max(-1.0, row[j]))
     return -1
 
@@ -82,7 +88,7 @@ def _build(start: Any, advance: Any, outcome: Any, observe: Any, ready: Any, adv
 
     @kernel
     def step_rows(states, actions, live, limit, obs, rewards, terminated, truncated, params, options):  # type: ignore[no-untyped-def]
-        bad, ended = admit(actions), False
+        bad, ended = admit(actions, live), False
         if bad >= 0:
             return -1 - bad
         for i in range(rewards.shape[0]):
@@ -95,7 +101,7 @@ def _build(start: Any, advance: Any, outcome: Any, observe: Any, ready: Any, adv
 
     @kernel
     def step_blocks(states, actions, live, limit, obs, rewards, terminated, truncated, params, options):  # type: ignore[no-untyped-def]
-        bad, ended = admit(actions), False
+        bad, ended = admit(actions, live), False
         if bad >= 0:
             return -1 - bad
         n = rewards.shape[0]

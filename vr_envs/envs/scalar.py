@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 import gymnasium as gym
 import numpy as np
 from gymnasium.error import ResetNeeded
+from gymnasium.utils import seeding
 
 from vr_envs.envs.task import Task
 from vr_envs.envs.world import NO_LIMIT, World, check_options, episode_key, scenario_keys
@@ -49,7 +50,9 @@ class ScalarEnv(gym.Env[np.ndarray, np.ndarray]):
         check_options(options, ("scenario", "state"))
         keys = scenario_keys(options, 1)
         if options and options.get("state") is not None:
-            self.set_state(options["state"])  # may refuse, before anything has changed
+            if seed is not None:
+                seeding.np_random(seed)  # may refuse, as the state may, before anything has changed
+            self.set_state(options["state"])
         super().reset(seed=seed)
         if self.spec is not None:
             # gym.make strikes the limit from the spec that the environment sees: its TimeLimit wrapper keeps it
@@ -81,7 +84,7 @@ class ScalarEnv(gym.Env[np.ndarray, np.ndarray]):
         obs, rewards, ended, over = workspace.move()
         terminated, truncated = ended.item(), over.item()
         info: dict[str, Any] = {}
-        if terminated or (truncated and self.world.storage.array["steps"].item() == self._limit):
+        if terminated or (truncated and (self._restored or self.world.storage.array["steps"].item() == self._limit)):
             info = self.metrics()
             self._ready = not terminated
         if self.render_mode == "human":

@@ -76,7 +76,9 @@ class Workspace:
             self.actions[...] = self.world.actions(given, shape)
 
     def step(self, live: np.ndarray | None = None) -> Results:
-        """Move the rows that are `live`, or all, under `actions`, which are clipped; the others have zeros for results.
+        """Move the rows that are `live`, or all, under `actions`, which are clipped.
+
+        The others have zeros for rewards and ends; their observations are arbitrary.
 
         Raises:
             ValueError: an action is not finite; no record has changed.

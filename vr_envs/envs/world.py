@@ -104,12 +104,13 @@ class World:
     def workspace(self, limit: int) -> Workspace:
         """What steps the rows, with episodes of `limit` control intervals; the same one until the limit changes."""
         if self._workspace is None or self._workspace.limit != limit:
+            self.compile()
             self._workspace = Workspace(self, limit)
         return self._workspace
 
     def simulate(self, acts: np.ndarray, live: np.ndarray) -> None:
         """Let the simulator move the live rows, unless an action is not finite; `acts` are `row_records`."""
-        if admit(acts) < 0:
+        if admit(acts, live) < 0:
             for i in np.flatnonzero(live):
                 self.simulator.advance(self.storage.array[i], acts[i]["row"])
 
@@ -147,6 +148,7 @@ class World:
 
     def observe(self) -> np.ndarray:
         """Fresh observations of all rows."""
+        self.compile()
         obs = np.empty((self.count, self.widths[0]), np.float32)
         self.rows.observe(self.storage.array, obs, self.params, self.options)
         return obs

@@ -48,7 +48,6 @@ def rollout(policy: Policy, scenarios: ScenarioSet, tick: Callable[[int], object
     done = 0
     while live.any() and done < scenarios.limit:
         actions = world.actions(policy(observations), (n, world.widths[1]))
-        actions[~live] = 0.0
         latest, rewards, terminated, truncated = world.step(actions, live, scenarios.limit)
         latest[~live] = observations[~live]
         observations = latest
