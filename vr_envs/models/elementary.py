@@ -1,8 +1,8 @@
 """Exponential, logarithm, sine and cosine, and powers without a branch: as fast on lanes as arithmetic is.
 
-Each is within 1 ulp, for finite arguments, denormal results included. Reductions and polynomials are fdlibm's (Sun
-Microsystems 1993), but for the exponential's, which is Taylor's; the rarely needed branches of fdlibm are gone, and a
-table as the C library has it would be read one lane after the other.
+Each is within 1 ulp, denormal results included, where its docstring does not say otherwise. Reductions and polynomials
+are fdlibm's (Sun Microsystems 1993), but for the exponential's, which is Taylor's; the rarely needed branches of fdlibm
+are gone, and a table as the C library has it would be read one lane after the other.
 """
 
 from __future__ import annotations

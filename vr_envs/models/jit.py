@@ -8,7 +8,10 @@ stale kernel is never loaded.
 
 from __future__ import annotations
 
+import contextlib
+import glob
 import hashlib
+import time
 import warnings
 from collections.abc import Callable
 from functools import cache
@@ -24,6 +27,7 @@ from numba.core.imputils import impl_ret_borrowed
 
 PACKAGE = Path(__file__).resolve().parent.parent
 KERNEL_FOLDERS = ("models", "envs")
+_OLD = 86400.0  # s, of kernels whose source has changed since
 
 
 @cache
@@ -66,10 +70,21 @@ class _CacheFile(IndexDataCacheFile):
 
     def save(self, key: Any, data: Any) -> None:
         """Save under a name that belongs to this key and source alone: concurrent processes cannot mix kernels."""
+        overloads = self._load_index()
+        if not overloads:
+            self._remove_old()
         number = int(hashlib.sha256(repr((self._source_stamp, key)).encode()).hexdigest()[:12], 16)
         name = self._data_name(number)
         self._save_data(name, data)
-        self._save_index({**self._load_index(), key: name})
+        self._save_index({**overloads, key: name})
+
+    def _remove_old(self) -> None:
+        """Remove kernels of earlier sources, unless they are so new that another process may be about to load them."""
+        begin = self._data_name_pattern.partition("{")[0]
+        for path in Path(self._cache_path).glob(f"{glob.escape(begin)}*.nbc"):
+            with contextlib.suppress(OSError):  # another process was quicker
+                if time.time() - path.stat().st_mtime > _OLD:
+                    path.unlink()
 
 
 class _KernelCache(FunctionCache):

@@ -7,7 +7,7 @@ import pytest
 
 from vr_envs.__main__ import main
 from vr_envs.bench.stress import trials
-from vr_envs.bench.stress.trial import Failure, Outcome, Trial
+from vr_envs.bench.stress.trial import Failure, Outcome, Trial, attempt
 
 
 def half_broken(first, number, trace):
@@ -46,10 +46,20 @@ def test_every_failure_is_told_with_its_seed_and_the_command_that_repeats_it(toy
 
 def test_one_case_is_repeated_alone(toy, tmp_path, capsys):
     assert main(["bench", "stress", "--trial", "toy", "--seed", "3", "--out", str(tmp_path)]) == 0
-    assert "10 steps in 1 cases" in capsys.readouterr().out
+    assert "10 steps in 1 case" in capsys.readouterr().out
     with pytest.raises(SystemExit):
         main(["bench", "stress", "--trial", "toy", "--seed", "4", "--out", str(tmp_path)])
     assert "--seed 4" in capsys.readouterr().out
+
+
+def test_an_error_is_a_failure_of_its_case():
+    def run(first, number, trace):
+        if first <= 4 < first + number:
+            raise ZeroDivisionError("so it is")
+        return Outcome(number, worst=1.0, worst_seed=first)
+
+    outcome, _ = attempt(Trial("toy", "none", "nothing", "steps", "depth", 6, run), 0, 6)
+    assert outcome.failures == [Failure(4, "ZeroDivisionError: so it is")] and outcome.count == 5
 
 
 @pytest.mark.parametrize(

@@ -45,6 +45,7 @@ def _launch(case, times, trace, course, piece, limits, s, end, x, z, normal, tan
         piece, limits, tan, s, frame, end, ball.x, ball.z, ball.u, ball.w, _GRAVITY, BOUNCED, None, None
     )  # fmt: skip
     note_time(case, times, trace, thread_time(scratch) - begin)
+    case.at = case.count
     case.count += 1
     if ds == UNDECIDED:
         case.code = _UNDECIDED

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from vr_envs.bench.stress.ball_walk import CONSTANT, CORNERS, UNIFORM, Settings, Walk, judge
-from vr_envs.bench.stress.trial import Outcome
+from vr_envs.bench.stress.trial import Outcome, log_uniform
 
 NO_LIMIT = 1 << 60
 
@@ -22,15 +22,11 @@ def _walk(seed: int, scene: dict[str, Any], **changes: Any) -> Walk:
     return Walk(scene, Settings(key=seed, **{**usual, **changes}))
 
 
-def _log_uniform(draw: np.random.Generator, low: float, high: float) -> float:
-    return float(np.exp(draw.uniform(np.log(low), np.log(high))))
-
-
 def chatter(seed: int) -> Walk:
     """A bar that moves up and down only, at a peak acceleration of 5 to 100 m/s^2: chatter, rest and release."""
     draw = np.random.default_rng(seed)
     scene = {"z_acceleration": draw.uniform(5.0, 100.0), "restitution": draw.uniform(0.0, 0.9)}
-    return _walk(seed, scene, actions=CONSTANT, height=_log_uniform(draw, 1e-3, 0.1), speed=0.0, reach=0.0)
+    return _walk(seed, scene, actions=CONSTANT, height=log_uniform(draw, 1e-3, 0.1), speed=0.0, reach=0.0)
 
 
 def losses(seed: int) -> Walk:
@@ -47,7 +43,7 @@ def losses(seed: int) -> Walk:
         scene,
         intervals=20,
         actions=int(draw.choice([CONSTANT, UNIFORM])),
-        height=_log_uniform(draw, 1e-12, 0.1),
+        height=log_uniform(draw, 1e-12, 0.1),
         speed=0.01,
     )
 
@@ -60,12 +56,12 @@ def motions(seed: int) -> Walk:
 def speeds(seed: int) -> Walk:
     """Bars from 0.5 to 200 Hz, accelerations up to 100 m/s^2, blends from 0.05 cycles on, one or two actions each."""
     draw = np.random.default_rng(seed)
-    frequency = _log_uniform(draw, 0.5, 200.0)
+    frequency = log_uniform(draw, 0.5, 200.0)
     hold = float(draw.choice([0.5, 1.0]))
     scene = {
         "frequency": frequency,
         "hold": hold,
-        "blend": _log_uniform(draw, 0.05, hold),
+        "blend": log_uniform(draw, 0.05, hold),
         "restitution": draw.uniform(0.0, 0.95),
         "half_length": 1.0,
         "x_acceleration": draw.uniform(0.0, 100.0),
@@ -86,7 +82,7 @@ def dropped(seed: int) -> Walk:
 def curved(seed: int) -> Walk:
     """A bar curved up to 45 degrees at its ends, hollow or humped, with a sphere that spins and slips on it."""
     draw = np.random.default_rng(seed)
-    half = _log_uniform(draw, 0.01, 0.1)
+    half = log_uniform(draw, 0.01, 0.1)
     steep = 1.0 - 10.0 ** draw.uniform(-4.0, 0.0)
     curvature = float(draw.choice([-1.0, 1.0], p=[0.2, 0.8]) * min(100.0, steep / half))
     scene = {
@@ -99,7 +95,7 @@ def curved(seed: int) -> Walk:
             "normal": draw.choice([0.0, draw.uniform(0.0, 0.1)]),
         },
         "spin": {"inertia_ratio": draw.uniform(0.0, 1.0)},
-        "friction": {"coefficient": _log_uniform(draw, 1e-3, 10.0), "restitution": draw.uniform(0.0, 1.0)},
+        "friction": {"coefficient": log_uniform(draw, 1e-3, 10.0), "restitution": draw.uniform(0.0, 1.0)},
         "curve": {"curvature": curvature},
     }
     return _walk(

@@ -28,8 +28,9 @@ REASONS = (
     "the ball went through the lens",
     "a flight does not end where the model has the ball",
     "a search for a passage did not end",
+    "lost, but over the lens",
 )
-_FAULT, _NOT_FINITE, _THROUGH, _ELSEWHERE, _UNJUDGED = range(1, len(REASONS) + 1)
+_FAULT, _NOT_FINITE, _THROUGH, _ELSEWHERE, _UNJUDGED, _NOT_LOST = range(1, len(REASONS) + 1)
 
 
 class _Flight(NamedTuple):
@@ -77,6 +78,15 @@ def _deepest(flight, end, params):
 
 
 @kernel
+def _leaving(flight, edge):
+    """The time (s) from the start after which the flight is no longer within a distance of the axis."""
+    square = flight.u * flight.u + flight.v * flight.v
+    along = flight.x * flight.u + flight.y * flight.v
+    inside = edge * edge - flight.x * flight.x - flight.y * flight.y
+    return (math.sqrt(along * along + square * inside) - along) / square if inside > 0.0 else 0.0
+
+
+@kernel
 def _judge(before, after, params, log):
     """Judge one cycle: (failure, deepest passage)."""
     flight = _Flight(0.0, before.x, before.y, before.z, before.u, before.v, before.w)
@@ -86,7 +96,11 @@ def _judge(before, after, params, log):
         row = log[i % log.shape[0]]
         s, x, y, z = (params.period, after.x, after.y, after.z) if last else (row[0], row[1], row[2], row[3])
         if last and after.lost:
-            return 0, deep
+            if math.hypot(after.x, after.y) < params.path_edge * (1.0 - 1e-12):
+                return _NOT_LOST, deep
+            found = _deepest(flight, min(s, flight.start + _leaving(flight, params.path_edge)), params)
+            failure = _UNJUDGED if found == math.inf else (_THROUGH if found > DEEPEST else 0)
+            return failure, max(deep, found)
         t = s - flight.start
         apart = abs(flight.x + flight.u * t - x) + abs(flight.y + flight.v * t - y)
         apart += abs(flight.z + (flight.w - 0.5 * params.gravity * t) * t - z)

@@ -27,10 +27,12 @@ from vr_envs.models.record import dtype_of
 DEEPEST = 1e-12  # m, a passage that is deeper is a failure
 SAME = 1e-12  # m, m/s: a flight that ends where the model says
 _ON = 1e-12  # of place and velocity, in m, m/s and 0.1 more: from a flight on which the ball still is
-LOG = 1 << 15  # rows of the log, more than the impacts of any interval
+_GAP = 1e-15  # m, rounding of a gap: over the speed of an impact, by how much its time is uncertain
+_GRAZED = 1e-7  # in place of _ON after an impact without speed, of which the time is that of a double root
+LOG = 1 << 16  # rows of the log, more than the impacts of any interval: it has two pieces at most
 SAMPLES = 8  # instants of a rest at which it is judged
 _HALVINGS = 40  # of a stretch in which a flight ends in a rest, or begins from one
-RESTS = 32  # one interval in so many has its rests judged, which takes long
+RESTS = 32  # one interval in so many has the rests judged with which it begins or ends, which takes long
 CONSTANT, UNIFORM, CORNERS = 0, 1, 2  # kinds of actions: none, drawn anew in every interval, drawn from {-1, 1}
 
 REASONS = (
@@ -64,7 +66,7 @@ def _begin(states, settings, params, episode, curvature):
     """A ball at rest, or moving along, over a bar in its motion at action 0."""
     states[0] = states[2]
     state = states[0]
-    state.key = settings.key + episode
+    state.key = (settings.key << 20) + episode
     draw = 4 * episode
     state.x = settings.reach * (2.0 * uniform(settings.key, draw) - 1.0)
     state.u = settings.speed * (2.0 * uniform(settings.key, draw + 1) - 1.0)
@@ -94,19 +96,19 @@ def _at(states, motion, course, s, options, log):
 
 
 @kernel
-def _leaves(states, motion, course, flight, on, off, options, log):
+def _leaves(states, motion, course, flight, on, off, options, log, slack):
     """The last time from `on` towards `off` (s) at which the ball is on the flight, and whether it touches the bar."""
     for _ in range(_HALVINGS):
         middle = 0.5 * (on + off)
         _at(states, motion, course, middle, options, log)
         x, z, u, w = place(flight, middle)
-        if abs(x - states[3].x) + abs(z - states[3].z) <= _ON * (0.1 + abs(x) + abs(z) + abs(u) + abs(w)):
+        if abs(x - states[3].x) + abs(z - states[3].z) <= slack * (0.1 + abs(x) + abs(z) + abs(u) + abs(w)):
             on = middle
         else:
             off = middle
     x, z, u, w = place(flight, on)
     value, rate, _ = gap(course, on, x, z, u, w)
-    near = 3.0 * _ON * (0.1 + abs(x) + abs(z) + abs(u) + abs(w)) + 2.0 * abs(rate) * abs(on - off)
+    near = 3.0 * slack * (0.1 + abs(x) + abs(z) + abs(u) + abs(w)) + 2.0 * abs(rate) * abs(on - off)
     return on, value <= near
 
 
@@ -125,21 +127,24 @@ def _released(states, motion, course, begin, end, options, log):
 
 
 @kernel
-def _judge_rest(states, motion, course, flight, arrival, options, log, at_rest):
+def _judge_rest(states, motion, course, flight, arrival, options, log, at_rest, slack):
     """Judge a stretch in which the ball rests, or chatters to its end: (failure, deepest passage).
 
     It begins with a `flight` and ends with another, the `arrival`, of which place and velocity at the end are given;
-    `at_rest` says whether it begins and ends with a rest instead.
+    `at_rest` says whether it begins and ends with a rest instead; `slack` is in place of `_ON`.
     """
     begin, end, deep, left, came = flight.start, arrival.start, 0.0, True, True
     if not at_rest[0]:
-        begin, left = _leaves(states, motion, course, flight, begin, end, options, log)
+        begin, left = _leaves(states, motion, course, flight, begin, end, options, log, slack)
     if not at_rest[1]:
-        end, came = _leaves(states, motion, course, arrival, end, flight.start, options, log)
+        end, came = _leaves(states, motion, course, arrival, end, flight.start, options, log, slack)
         s = _released(states, motion, course, end, arrival.start, options, log)
         x, z, u, w = place(arrival, s)
         deep = deepest(course, Flight(s, x, z, u, w, flight.gravity), s, arrival.start, DEEPEST)
-    if begin < end and not (left and came):
+        if deep == math.inf:
+            return _UNJUDGED, deep
+    # two flights that are not one have a contact between them, however short
+    if (begin < end or not (at_rest[0] or at_rest[1])) and not (left and came):
         return _ELSEWHERE, deep
     for k in range(1, SAMPLES + 1):
         s = begin + (end - begin) * k / (SAMPLES + 1)
@@ -151,8 +156,9 @@ def _judge_rest(states, motion, course, flight, arrival, options, log, at_rest):
 
 
 @kernel
-def _lost_over_bar(states, motion, course, begin, end, options, log):
-    """Whether a ball was over the bar when it was lost: a moment that the model is asked for again and again."""
+def _judge_loss(states, motion, course, flight, end, options, log, rested):
+    """Judge how a ball was lost, a moment that the model is asked for again and again: (failure, deepest passage)."""
+    begin = flight.start
     for _ in range(60):
         middle = 0.5 * (begin + end)
         _at(states, motion, course, middle, options, log)
@@ -163,7 +169,13 @@ def _lost_over_bar(states, motion, course, begin, end, options, log):
     _at(states, motion, course, end, options, log)
     ball = states[3]
     _, _, p = gap(course, end, ball.x, ball.z, ball.u, ball.w)
-    return abs(p) < options[0].half_length - 1e-9
+    if abs(p) < options[0].half_length - 1e-9:
+        return _NOT_LOST, 0.0
+    x, z, _, _ = place(flight, end)
+    if rested or not abs(x - ball.x) + abs(z - ball.z) <= SAME * (1.0 + abs(x) + abs(z)):
+        return 0, 0.0  # it has rested on its way
+    deep = deepest(course, flight, flight.start, begin, DEEPEST)
+    return (_UNJUDGED if deep == math.inf else (_THROUGH if deep > DEEPEST else 0)), deep
 
 
 @kernel
@@ -173,22 +185,25 @@ def _judge(states, motion, course, options, log, spare, rests):
     before, after = states[1], states[0]
     flight = Flight(course.begin, before.x, before.z, before.u, before.w, params.gravity)
     rested, deep, end = before.resting != 0, 0.0, course.begin + params.hold * params.period
+    slack = _ON
     for i in range(before.impacts, after.impacts + 1):
         row, last = log[i % log.shape[0]], i == after.impacts
         if last and after.lost:
-            over = _lost_over_bar(states, motion, course, flight.start, end, options, spare)
-            return (_NOT_LOST if over else 0), deep
+            failure, found = _judge_loss(states, motion, course, flight, end, options, spare, rested)
+            return failure, max(deep, found)
         if last:
             arrival = Flight(end, after.x, after.z, after.u, after.w, params.gravity)
         else:
             arrival = launched(course, row[0], row[1], row[2], row[3], row[4], params.gravity)
-        x, z, _, _ = place(flight, arrival.start)
-        apart, rests_now = abs(x - arrival.x) + abs(z - arrival.z), last and after.resting != 0
-        failure, found = 0, 0.0
-        if rested or rests_now or apart > SAME * (1.0 + abs(x) + abs(z)):
-            if rests:
+        x, z, u, w = place(flight, arrival.start)
+        apart, size = abs(x - arrival.x) + abs(z - arrival.z), 1.0 + abs(x) + abs(z)
+        if last:
+            apart, size = apart + abs(u - arrival.u) + abs(w - arrival.w), size + abs(u) + abs(w)
+        rests_now, failure, found = last and after.resting != 0, 0, 0.0
+        if rested or rests_now or not apart <= SAME * size:
+            if rests or not (rested or rests_now):
                 failure, found = _judge_rest(
-                    states, motion, course, flight, arrival, options, spare, (rested, rests_now)
+                    states, motion, course, flight, arrival, options, spare, (rested, rests_now), slack
                 )  # fmt: skip
             rested = False
         else:
@@ -201,6 +216,7 @@ def _judge(states, motion, course, options, log, spare, rests):
             if row[3] > SAME:
                 return _AWAY, deep
             flight = launched(course, row[0], row[1], row[2], row[5], row[6], params.gravity)
+            slack = min(_GRAZED, _ON + _GAP / max(-row[3], _GAP))
     return 0, deep
 
 
@@ -236,7 +252,8 @@ def walk(case, times, trace, states, action, settings, options, log, spare, scra
         elif state.fault:
             if fresh < MAX_EVENTS:
                 case.code = _FAULT
-            case.told += 1
+            else:
+                case.told += 1
         else:
             course = course_of(states[1], action, states[1].steps, params, curvature)
             if judged:
@@ -244,6 +261,8 @@ def walk(case, times, trace, states, action, settings, options, log, spare, scra
                     states, demanded(action, params), course, options, log, spare, step % RESTS == 0
                 )
                 case.worst = max(case.worst, deep)
+                case.judged += fresh
+                case.met += state.resting
             elif not state.lost:
                 end = course.begin + params.hold * params.period
                 value, _, _ = gap(course, end, state.x, state.z, state.u, state.w)
@@ -275,6 +294,7 @@ def judge(seed: int, walk_of_case: Walk, outcome: Outcome, trace: np.ndarray, mo
     )  # fmt: skip
     if motions:
         case["count"] = case["at"] + 1
+        case["judged"] = -(-case["count"] // walk_of_case.settings.every)
     outcome.take(seed, case[0], REASONS)
 
 

@@ -48,15 +48,15 @@ def jumping_demands(state, settings, step):
 
 @kernel
 def in_range(before, state, action, params, facts):
-    """(failure, 0): signs and limits, which hold in any air."""
+    """(failure, 0, whether it stands): signs and limits, which hold in any air."""
     if state.speed < 0.0:
-        return _NEGATIVE, 0.0
+        return _NEGATIVE, 0.0, False
     if abs(state.heading) > math.pi + ROUNDING:
-        return _HEADING, 0.0
+        return _HEADING, 0.0, False
     beyond = max(state.vertical_speed - facts[4], -params.descent - state.vertical_speed)
     beyond = max(beyond, state.acceleration - params.acceleration, -params.deceleration - state.acceleration)
     beyond = max(beyond, abs(state.turn_rate) - params.turn)
-    return (_RATE if beyond > 1e-9 else 0), 0.0
+    return (0 if beyond <= 1e-9 else _RATE), 0.0, state.speed == 0.0
 
 
 @kernel
@@ -67,10 +67,10 @@ def _turned(angle):
 
 @kernel
 def lecture(before, state, action, params, facts):
-    """(failure, rounding): constant rates over the interval, which follow at once; it stands from airspeed 0 on."""
-    code, _ = in_range(before, state, action, params, facts)
+    """(failure, rounding, whether it stands): constant rates over the interval, which follow at once."""
+    code, _, stands = in_range(before, state, action, params, facts)
     if code != 0:
-        return code, 0.0
+        return code, 0.0, stands
     rise = action[0] * (params.climb if action[0] > 0.0 else params.descent)
     gain = action[1] * (params.acceleration if action[1] > 0.0 else params.deceleration)
     turn = action[2] * params.turn
@@ -78,8 +78,8 @@ def lecture(before, state, action, params, facts):
     error = max(abs(state.altitude - before.altitude - rise * params.dt) / 1e4, abs(state.speed - speed) / 100.0)
     error = max(error, abs(_turned(state.heading - before.heading - turn * params.dt)) / (2.0 * math.pi))
     # the angle turned is rounded as the number that it is
-    if error > ROUNDING + 1e-16 * abs(turn * params.dt):
-        return _MOTION, error
+    if not error <= ROUNDING + 1e-16 * abs(turn * params.dt):
+        return _MOTION, error, stands
     end = params.dt
     if gain < 0.0 and before.speed + gain * end < 0.0:
         end = -before.speed / gain
@@ -92,4 +92,4 @@ def lecture(before, state, action, params, facts):
         z += way * math.cos(before.heading + turn * h * k)
     apart = abs(state.x - before.x - x) + abs(state.z - before.z - z)
     way = before.speed * end + abs(before.x) + abs(before.z) + 1.0
-    return (_TRACK if apart > ALIKE * way else 0), error
+    return (0 if apart <= ALIKE * way else _TRACK), error, stands

@@ -10,7 +10,7 @@ import numpy as np
 
 from vr_envs.bench.stress.flight_check import REASONS as FLIGHT_REASONS
 from vr_envs.bench.stress.flight_check import facts_of, in_range, jumping_demands
-from vr_envs.bench.stress.rows_walk import CORNERS, HELD, UNIFORM, ZERO, Settings, judge, no_check, nothing
+from vr_envs.bench.stress.rows_walk import BEYOND, CORNERS, HELD, UNIFORM, ZERO, Settings, judge, no_check, nothing
 from vr_envs.bench.stress.trial import Failure, Outcome
 from vr_envs.envs.registry import task_of
 from vr_envs.envs.scene import resolve
@@ -18,12 +18,13 @@ from vr_envs.envs.task import Task
 
 PRESETS = {"BallOnBar": ("bell", "lens"), "Autopilot": ("airliner-rough",), "TerrainRide": ("road", "quarter-car")}
 """Of each environment, the presets whose options are drawn: others would each be compiled anew."""
-KINDS = (UNIFORM, CORNERS, HELD, ZERO)
+KINDS = (UNIFORM, CORNERS, HELD, ZERO, BEYOND)
 STEPS = 200
 MOST_CHANGES = 6
 WIDTHS = {("terrain_ride", None, "actuation"), ("terrain_ride", "preview", "samples")}
 """Fields on which the number of actions or observations depends, for which the loops would be compiled anew."""
-_REFUSALS = ("is not allowed", "; give", ": give")
+REFUSALS = ("is not allowed", "; give", ": give")
+"""Words of which a refusal has one."""
 
 
 def draw_value(field: dataclasses.Field[Any], draw: np.random.Generator) -> Any:
@@ -95,11 +96,8 @@ def fuzzed(env_id: str) -> Any:
                 judge(task, scene, settings, outcome, trace, *probe)
             else:
                 outcome.told += 1
-                if not any(words in refusal for words in _REFUSALS):
+                if not any(words in refusal for words in REFUSALS):
                     outcome.failures.append(Failure(seed, f"refused without saying what to do: {refusal}"))
         return outcome
 
     return run
-
-
-ball, aircraft, ride = (fuzzed(env_id) for env_id in PRESETS)

@@ -67,15 +67,30 @@ def number(value: int) -> str:
     return f"{value}" if value < 100_000 else f"{value:.2e}".replace("e+0", "e").replace("e+", "e")
 
 
+def counted(value: int, noun: str) -> str:
+    """So many things."""
+    return f"{number(value)} {noun}{'' if value == 1 else 's'}"
+
+
 def _time(seconds: float) -> str:
     return f"{1e6 * seconds:.3g}" if seconds > 0.0 else ""
 
 
 def _happened(finding: Finding) -> str:
     outcome = finding.outcome
-    failures = f"**{len(outcome.failures)} failures**" if outcome.failures else "no failure"
+    failures = f"**{counted(len(outcome.failures), 'failure')}**" if outcome.failures else "no failure"
     told = f"; {number(outcome.told)} {finding.trial.told}" if outcome.told else ""
     return failures + told
+
+
+def _often(finding: Finding) -> str:
+    outcome, trial = finding.outcome, finding.trial
+    parts = [f"{number(outcome.count)} {trial.unit} in {counted(finding.cases, 'case')}"]
+    if 0 < outcome.judged < outcome.count:
+        parts.append(f"{number(outcome.judged)} of them judged")
+    if trial.met:
+        parts.append(f"{number(outcome.met)} {trial.met}")
+    return "; ".join(parts)
 
 
 def _trials_table(findings: list[Finding]) -> Table:
@@ -83,7 +98,7 @@ def _trials_table(findings: list[Finding]) -> Table:
         [
             f.trial.name,
             f.trial.tried,
-            f"{number(f.outcome.count)} {f.trial.unit} in {number(f.cases)} cases",
+            _often(f),
             _happened(f),
             f"{f.outcome.worst:.1e} ({f.trial.figure})" if f.trial.figure else "",
         ]
@@ -122,7 +137,7 @@ def _failures_table(findings: list[Finding]) -> Table:
         for failure in f.outcome.failures[:LISTED]
     ]
     left = sum(max(0, len(f.outcome.failures) - LISTED) for f in findings)
-    note = f"{left} more are in the JSON." if left else ""
+    note = f"{left} more in the JSON." if left else ""
     return Table("Failures", ["trial", "seed", "reason", "repeat with"], rows, (0, 2, 3), note)
 
 
@@ -130,15 +145,16 @@ def _sentences(findings: list[Finding]) -> list[str]:
     failures = sum(len(f.outcome.failures) for f in findings)
     failed = sum(bool(f.outcome.failures) for f in findings)
     cases = sum(f.cases for f in findings)
-    verdict = f"{failures} failures in {failed} of them" if failures else "no failure"
-    lines = [f"{len(findings)} trials of {number(cases)} cases: {verdict}."]
+    verdict = f"{counted(failures, 'failure')} in {counted(failed, 'trial')}" if failures else "no failure"
+    lines = [f"{counted(len(findings), 'trial')} of {counted(cases, 'case')}: {verdict}."]
     deep = [f for f in findings if f.trial.figure.startswith("deepest")]
     if deep:
         worst = max(deep, key=lambda f: f.outcome.worst)
-        count = sum(f.outcome.count for f in deep if f.trial.unit == "impacts")
+        judged = sum(f.outcome.judged for f in deep if f.trial.unit == "impacts")
         lines.append(
-            f"The deepest passage of a ball through its bar or lens, in trials of {number(count)} impacts, is "
-            f"{worst.outcome.worst:.1e} m ({worst.trial.name})."
+            f"The deepest passage of a ball through its bar or lens is {worst.outcome.worst:.1e} m "
+            f"({worst.trial.name}): the flights around {counted(judged, 'impact')} were searched for one, and behind "
+            "the others the ball's place at the end of the interval was looked at."
         )
     timed = [f for f in findings if f.seen > 0.0]
     if timed:
@@ -146,10 +162,11 @@ def _sentences(findings: list[Finding]) -> list[str]:
         seen = max(timed, key=lambda f: f.seen)
         lines.append(
             f"The slowest step of all took {_time(seen.seen)} us ({seen.trial.name}), interruptions included; the "
-            f"slowest that is so again and again {_time(slow.again)} us ({slow.trial.name}, case {slow.again_seed}; "
+            f"slowest that repeats {_time(slow.again)} us ({slow.trial.name}, case {slow.again_seed}; "
             f"the trial's median is {_time(slow.quantiles[0])} us)."
         )
-    lines.append("The lecture's pendulum, spring, thread and fabric are not in this suite: nothing of them was tried.")
+    if len(findings) == len(TRIALS):
+        lines.append("The lecture's pendulum, thread and fabric are not in this suite: nothing of them was tried.")
     return lines
 
 
@@ -160,6 +177,9 @@ def _numbers(finding: Finding) -> dict[str, Any]:
         "tried": finding.trial.tried,
         "cases": finding.cases,
         "count": outcome.count,
+        "judged": outcome.judged,
+        "met": outcome.met,
+        "met_what": finding.trial.met,
         "unit": finding.trial.unit,
         "failures": [
             {**dataclasses.asdict(failure), "repeat": repeat(finding.trial, failure.seed)}

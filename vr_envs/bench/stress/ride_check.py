@@ -18,7 +18,7 @@ REASONS = (
     "the tyre is off the ground and pressed, or on it and pulled",
     "a stop is said to be touched where it is not, or not where it is",
     "the motion is not that of an integration in small steps",
-    "a smallest number has grown",
+    "a smallest number has grown, or is gone",
 )
 _TYRE, _STOP, _MOTION, _GROWN = range(1, len(REASONS) + 1)
 NEAR = 1e-12  # m
@@ -101,22 +101,27 @@ def _apart(state, there, before):
 
 @kernel
 def check(before, state, action, params, facts):
-    """(failure, difference of the motion from the integration); actuators without a lag, a constant speed."""
+    """(failure, difference of the motion from the integration, whether the wheel is off the ground).
+
+    For actuators without a lag and a constant speed. Where the motion is of the smallest numbers, (failure, 0, whether
+    all of them together are below the smallest normal one).
+    """
     limit, _, _, travel, rubber, _, small = facts
     if limit > 0.0 and (state.deflection < limit - NEAR if state.airborne else state.deflection > limit + NEAR):
-        return _TYRE, 0.0
+        return _TYRE, 0.0, False
     if rubber > 0.0:
         beyond = abs(state.travel) - travel
         if beyond > NEAR if state.side == 0.0 else state.side * state.travel < travel - NEAR:
-            return _STOP, 0.0
+            return _STOP, 0.0, False
     if small > 0.0:
-        return (_GROWN if abs(state.travel) + abs(state.velocity) > SMALLEST else 0), 0.0
+        size = abs(state.travel) + abs(state.velocity) + abs(state.deflection) + abs(state.hub_velocity)
+        return (0 if 0.0 < size <= SMALLEST else _GROWN), 0.0, size < 2.3e-308
     gamma = params.damping_low * (params.damping_high / params.damping_low) ** (0.5 + 0.5 * action[0])
     w2 = params.spring_rate / params.mass
     w2 *= params.modulus_low * (params.modulus_high / params.modulus_low) ** (0.5 + 0.5 * action[1])
-    apart, fine = math.inf, 1.0
-    while apart > ALIKE and fine > 1e-3:  # a force that sets in makes an error of the second order in the steps
-        there = _integrate(before, gamma, params.relative, w2, 0.0, params.speed, params.dt, fine, facts)
-        apart = _apart(state, there, before)
-        fine *= 0.1
-    return (_MOTION if apart > ALIKE else 0), apart
+    apart = math.inf
+    for fine in (1.0, 0.1, 0.01, 0.001):  # a force that sets in makes an error of the second order in the steps
+        if not apart <= ALIKE:
+            there = _integrate(before, gamma, params.relative, w2, 0.0, params.speed, params.dt, fine, facts)
+            apart = _apart(state, there, before)
+    return (0 if apart <= ALIKE else _MOTION), apart, bool(state.airborne)

@@ -1,7 +1,8 @@
 """A compiled walk of one environment through the loop over rows that every environment steps, with checks in between.
 
-After each step: no number of the state, the observation or the reward is infinite or undefined, the observation is in
-its space, the reward in [0, 1], no fault is reported; and what the system's own check says. An episode that ends is
+After each step and each reset: no number of the state, the observation or the reward is infinite or undefined, the
+observation is in its space, the reward in [0, 1], no fault is reported; after a step also what the system's own check
+says. Now and then an action is not a number, which has to be refused and to change nothing. An episode that ends is
 followed by another.
 """
 
@@ -22,8 +23,9 @@ from vr_envs.envs.world import World
 from vr_envs.models.jit import kernel
 from vr_envs.models.noise import uniform
 
-ZERO, UNIFORM, CORNERS, HELD = range(4)
-"""Kinds of actions: none; drawn for every step; drawn from {-1, 1}; drawn for every 20 steps."""
+ZERO, UNIFORM, CORNERS, HELD, BEYOND = range(5)
+"""Kinds of actions: none; drawn for every step; from {-1, 1}; for every 20 steps; from +-1e300, which are clipped."""
+_SPOILT = 16  # one of so many checked steps is first tried with an action that is not a number
 _DRAWS = 1 << 42  # counters of the actions, apart from those of the episodes
 
 REASONS = (
@@ -31,8 +33,9 @@ REASONS = (
     "a number of the observation is not finite or out of its space",
     "a reward is not in [0, 1]",
     "the model gave up (fault)",
+    "an action that is not a number was taken",
 )
-_STATE, _OBSERVATION, _REWARD, _FAULT = range(1, len(REASONS) + 1)
+_STATE, _OBSERVATION, _REWARD, _FAULT, _TAKEN = range(1, len(REASONS) + 1)
 OWN = len(REASONS) + 1  # the number of the first failure of a system's own check
 
 
@@ -54,6 +57,8 @@ def _act(action, settings, step):
             action[j] = 2.0 * uniform(settings.key, draw) - 1.0
         if settings.actions == CORNERS:
             action[j] = math.copysign(1.0, action[j])
+        if settings.actions == BEYOND:
+            action[j] *= 1e300
 
 
 @kernel
@@ -86,27 +91,38 @@ def _walker(step_rows: Any, reset_rows: Any, prepare: Any, check: Any) -> Any:
 
     @kernel
     def walk(  # type: ignore[no-untyped-def]
-        case, times, trace, states, before, bits, floats, fault, acts, obs, seen, low, high, ends, params, options,
-        settings, scratch,
+        case, times, trace, states, before, bits, bits_before, floats, fault, acts, obs, seen, low, high, ends, params,
+        options, settings, scratch,
     ):  # fmt: skip
         live, rewards, terminated, truncated, zeroth, keys = ends
-        keys[0] = settings.key
+        keys[0] = settings.key << 20
         reset_rows(states, zeroth, keys, obs, params, options)
+        case.code = _fails(bits[0], floats, fault, obs[0], low, high, 0.0)
         for step in range(settings.steps):
             action = acts[0].row
-            _act(action, settings, step)
             prepare(states[0], settings, step)
             checked = step % settings.every == 0
             if checked:
                 before[0] = states[0]
+            if checked and step % _SPOILT == 0:
+                for j in range(action.shape[0]):
+                    action[j] = math.nan
+                code = step_rows(states, acts, live, 1 << 62, seen, rewards, terminated, truncated, params, options)
+                case.code = 0 if code == -1 and (bits[0] == bits_before[0]).all() else _TAKEN
+                for j in range(action.shape[0]):
+                    action[j] = 0.0
+            _act(action, settings, step)
             begin = thread_time(scratch)
             step_rows(states, acts, live, 1 << 62, seen, rewards, terminated, truncated, params, options)
             note_time(case, times, trace, thread_time(scratch) - begin)
             case.at = step
             case.count += 1
-            case.code = _fails(bits[0], floats, fault, obs[0], low, high, rewards[0])
+            if case.code == 0:
+                case.code = _fails(bits[0], floats, fault, obs[0], low, high, rewards[0])
             if checked and case.code == 0:
-                code, figure = check(before[0], states[0], action, params, settings.facts)
+                code, figure, met = check(before[0], states[0], action, params, settings.facts)
+                case.judged += 1
+                case.met += met
                 case.worst = max(case.worst, figure)
                 case.code = OWN - 1 + code if code > 0 else 0
             if case.code != 0:
@@ -115,6 +131,7 @@ def _walker(step_rows: Any, reset_rows: Any, prepare: Any, check: Any) -> Any:
                 keys[0] += np.uint64(1)
                 states[0] = before[1]
                 reset_rows(states, zeroth, keys, obs, params, options)
+                case.code = _fails(bits[0], floats, fault, obs[0], low, high, 0.0)
 
     return walk
 
@@ -127,7 +144,7 @@ def nothing(state, settings, step):
 @kernel
 def no_check(before, state, action, params, facts):
     """In place of `check` where a system has none of its own."""
-    return 0, 0.0
+    return 0, 0.0, False
 
 
 def judge(
@@ -140,7 +157,9 @@ def judge(
     check: Any,
     reasons: tuple[str, ...],
 ) -> None:
-    """Walk one case, whose seed is the key of the settings; `check` returns (0 or a number of `reasons`, figure)."""
+    """Walk one case, whose seed is the key of the settings; `check` returns (0 or a number of `reasons`,
+    figure, whether what the trial is after was met).
+    """
     world = World(task, scene, 1)
     dtype: Any = world.states.dtype
     words = [k for name in dtype.names if dtype[name].base.kind == "f" for k in _words(dtype, name)]
@@ -155,6 +174,7 @@ def judge(
     rows = rows_of(task)
     _walker(rows.step, rows.reset, prepare, check)(
         case[0], outcome.times, trace, world.states, before, world.states.view(np.uint64).reshape(1, -1),
+        before[:1].view(np.uint64).reshape(1, -1),
         np.array(words, np.int64), fault, row_records(acts), obs, row_records(obs), box.low, box.high, ends,
         world.params, world.options, settings, _SCRATCH,
     )  # fmt: skip

@@ -10,6 +10,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from threading import Barrier
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -57,7 +58,7 @@ def _go_on(world: World, actions: np.ndarray, parts: np.ndarray | None = None) -
         together = None
         for part in np.unique(parts):
             live = parts == part
-            found = world.step(acts.copy(), live, 1 << 62)
+            found = world.step(acts, live, 1 << 62)
             together = found if together is None else together
             for whole, new in zip(together, found, strict=True):
                 whole[live] = new[live]
@@ -66,7 +67,7 @@ def _go_on(world: World, actions: np.ndarray, parts: np.ndarray | None = None) -
     return Flight._make([*(np.array([step[k] for step in seen]) for k in range(3)), world.copy()])
 
 
-def _same(one: Flight, other: Flight, rows: Any) -> bool:
+def same(one: Flight, other: Flight, rows: Any) -> bool:
     """Whether two flights are the same bytes, the other one made of these rows of the first."""
     begin = all(a[:, rows].tobytes() == b.tobytes() for a, b in zip(one[:3], other[:3], strict=True))
     return begin and one.records[rows].tobytes() == other.records.tobytes()
@@ -81,19 +82,16 @@ def _case(task: Task, scene: str, seed: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _again(task: Task, scene: str, keys: np.ndarray, actions: np.ndarray, one: Flight, draw: Any) -> bool:
-    return _same(one, _go_on(_start(task, scene, keys), actions), slice(None))
+    return same(one, _go_on(_start(task, scene, keys), actions), slice(None))
 
 
 def _sizes(task: Task, scene: str, keys: np.ndarray, actions: np.ndarray, one: Flight, draw: Any) -> bool:
-    same = True
-    for size in (1, 3, LOCKSTEP_FROM - 1, LOCKSTEP_FROM):
-        rows = draw.choice(ROWS, size, replace=False)
-        same &= _same(one, _go_on(_start(task, scene, keys[rows]), actions[:, rows]), rows)
-    return same
+    subsets = [draw.choice(ROWS, size, replace=False) for size in (1, 3, LOCKSTEP_FROM - 1, LOCKSTEP_FROM)]
+    return all(same(one, _go_on(_start(task, scene, keys[rows]), actions[:, rows]), rows) for rows in subsets)
 
 
 def _splits(task: Task, scene: str, keys: np.ndarray, actions: np.ndarray, one: Flight, draw: Any) -> bool:
-    return _same(one, _go_on(_start(task, scene, keys), actions, draw.integers(0, 4, ROWS)), slice(None))
+    return same(one, _go_on(_start(task, scene, keys), actions, draw.integers(0, 4, ROWS)), slice(None))
 
 
 def _restored(task: Task, scene: str, keys: np.ndarray, actions: np.ndarray, one: Flight, draw: Any) -> bool:
@@ -103,15 +101,20 @@ def _restored(task: Task, scene: str, keys: np.ndarray, actions: np.ndarray, one
     other = _start(task, scene, keys[::-1].copy())
     other.load(world.copy()[order], np.arange(ROWS))
     rest = Flight._make([*(a[half:] for a in one[:3]), one.records])
-    return _same(rest, _go_on(other, actions[half:, order]), order)
+    return same(rest, _go_on(other, actions[half:, order]), order)
 
 
 def _threads(task: Task, scene: str, keys: np.ndarray, actions: np.ndarray, one: Flight, draw: Any) -> bool:
     parts = np.array_split(draw.permutation(ROWS), _WORKERS)
+    together = Barrier(_WORKERS)  # none is done before another begins
+
+    def fly(world: World, rows: np.ndarray) -> Flight:
+        together.wait()
+        return _go_on(world, actions[:, rows])
+
     with ThreadPoolExecutor(_WORKERS) as pool:
-        worlds = [_start(task, scene, keys[rows]) for rows in parts]
-        flights = pool.map(lambda pair: _go_on(pair[0], actions[:, pair[1]]), zip(worlds, parts, strict=True))
-        return all(_same(one, flight, rows) for flight, rows in zip(flights, parts, strict=True))
+        flights = list(pool.map(fly, [_start(task, scene, keys[rows]) for rows in parts], parts))
+        return all(same(one, flight, rows) for flight, rows in zip(flights, parts, strict=True))
 
 
 WAYS: dict[str, Callable[..., bool]] = {

@@ -8,34 +8,28 @@ import numpy as np
 
 from vr_envs.bench.stress.ride_check import REASONS, check, denormal, facts_of
 from vr_envs.bench.stress.rows_walk import CORNERS, HELD, UNIFORM, ZERO, Settings, judge, no_check, nothing
-from vr_envs.bench.stress.trial import Outcome
+from vr_envs.bench.stress.trial import Outcome, log_uniform
 from vr_envs.envs.scene import Scene, resolve
 from vr_envs.envs.terrain_ride import TASK
 
 _BARE: dict[str, Any] = dict.fromkeys(("bumps", "payload", "lag", "preview", "noise"))
 
 
-def _log_uniform(draw: np.random.Generator, low: float, high: float) -> float:
-    return float(np.exp(draw.uniform(np.log(low), np.log(high))))
-
-
 def _vehicle(draw: np.random.Generator, tyre: bool) -> dict[str, Any]:
     """Parts of a vehicle on a road with kerbs; without a tyre the wheel follows the ground."""
-    top = _log_uniform(draw, 0.1, 5.0)
+    top = log_uniform(draw, 0.1, 5.0)
     return {
-        "speed": _log_uniform(draw, 1.0, 100.0),
-        "road": {"iso_class": "flat", "knot_spacing": _log_uniform(draw, 0.01, 0.1)},
+        "speed": log_uniform(draw, 1.0, 100.0),
+        "road": {"iso_class": "flat", "knot_spacing": log_uniform(draw, 0.01, 0.1)},
         "obstacle": {
             "kind": "kerb",
-            "height": _log_uniform(draw, 0.01, 1.0),
+            "height": log_uniform(draw, 0.01, 1.0),
             "top": top,
             "every": 2.0 * top,
             "first": 0.5,
         },
-        "stop": {"travel": draw.uniform(0.02, 0.1), "rate": _log_uniform(draw, 1e4, 1e6), "crush": 10.0},
-        "tyre": {"unsprung_mass": _log_uniform(draw, 0.1, 100.0), "rate": _log_uniform(draw, 1e4, 1e8)}
-        if tyre
-        else None,
+        "stop": {"travel": draw.uniform(0.02, 0.1), "rate": log_uniform(draw, 1e4, 1e6), "crush": 10.0},
+        "tyre": {"unsprung_mass": log_uniform(draw, 0.1, 100.0), "rate": log_uniform(draw, 1e4, 1e8)} if tyre else None,
     }
 
 
@@ -58,9 +52,9 @@ def kerbs(draw: np.random.Generator) -> dict[str, Any]:
 def switched(draw: np.random.Generator) -> dict[str, Any]:
     """Damping from 0.001 to 1000 1/s and spring modulus from 0.01 to 100, over the whole range in every step."""
     vehicle = _vehicle(draw, bool(draw.integers(2)))
-    rate = _log_uniform(draw, 1.0, 1e7)
+    rate = log_uniform(draw, 1.0, 1e7)
     ends = {"damping_low": 1e-3, "damping_high": 1e3, "modulus_low": 0.01, "modulus_high": 100.0}
-    return {**vehicle, **ends, "spring_rate": rate, "mass": _log_uniform(draw, 1.0, 1e4)}
+    return {**vehicle, **ends, "spring_rate": rate, "mass": log_uniform(draw, 1.0, 1e4)}
 
 
 def hopping(draw: np.random.Generator) -> dict[str, Any]:

@@ -23,13 +23,13 @@ BINS = 10 * PER_DECADE  # up to 100 s
 CASE = np.dtype(
     [
         ("count", "i8"), ("code", "i8"), ("at", "i8"), ("worst", "f8"), ("timed", "i8"), ("slowest", "f8"),
-        ("told", "i8"),
+        ("told", "i8"), ("judged", "i8"), ("met", "i8"),
     ],
     align=True,
 )  # fmt: skip
 """What a compiled loop writes of one case: how many were tried, 0 or the number of a failure, when it happened, the
-worst figure, how many steps were timed and the slowest of them (s), and how often the model said that it could not go
-on."""
+worst figure, how many steps were timed and the slowest of them (s), how often the model said that it could not go on,
+how many of those tried were judged in full, and how often what the trial is after was met."""
 
 _AGAIN = 3  # of the slowest cases are run again
 _RUNS = 3  # times each
@@ -68,6 +68,8 @@ class Outcome:
     slowest: list[tuple[float, int]] = dataclasses.field(default_factory=list)
     times: np.ndarray = dataclasses.field(default_factory=lambda: np.zeros(BINS, np.int64))
     told: int = 0
+    judged: int = 0
+    met: int = 0
 
     def add(self, other: Outcome) -> None:
         """Take in what happened in other cases."""
@@ -78,13 +80,15 @@ class Outcome:
         self.slowest = sorted([*self.slowest, *other.slowest], reverse=True)[:_AGAIN]
         self.times += other.times
         self.told += other.told
+        self.judged += other.judged
+        self.met += other.met
 
     def take(self, seed: int, case: np.void, reasons: Sequence[str]) -> None:
         """Take in the record `CASE` of one case; `reasons` are the failures from code 1 on."""
         found = [] if case["code"] == 0 else [Failure(seed, f"{reasons[case['code'] - 1]}, at step {case['at']}")]
         slowest = [(float(case["slowest"]), seed)] if case["slowest"] > 0.0 else []
-        worst = float(case["worst"])
-        self.add(Outcome(int(case["count"]), found, worst, seed, slowest, told=int(case["told"])))
+        count, told, judged, met = (int(case[name]) for name in ("count", "told", "judged", "met"))
+        self.add(Outcome(count, found, float(case["worst"]), seed, slowest, told=told, judged=judged, met=met))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -94,7 +98,8 @@ class Trial:
     `run(first, number, trace)` runs the cases `first` to `first + number - 1`. Of each timed step the time is written
     to `trace` (s) if it is less than what stands there, as far as the array goes.
     `unit` says what is counted, and `figure` of what the worst is told; `told` what the model says where it cannot go
-    on, which is no failure. They are empty where there is no such thing.
+    on, which is no failure; `met` what of the judged is counted, to see that the trial meets what it is after. They are
+    empty where there is no such thing.
     """
 
     name: str
@@ -105,11 +110,12 @@ class Trial:
     cases: int
     run: Callable[[int, int, np.ndarray], Outcome]
     told: str = ""
+    met: str = ""
 
 
-def bin_of(seconds: float) -> int:
-    """The bin of a duration (s)."""
-    return int(np.clip(np.log10(max(seconds, FASTEST) / FASTEST) * PER_DECADE, 0, BINS - 1))
+def log_uniform(draw: np.random.Generator, low: float, high: float) -> float:
+    """A number between two positive ones, each factor as likely as another."""
+    return float(np.exp(draw.uniform(np.log(low), np.log(high))))
 
 
 def share_below(times: np.ndarray, share: float) -> float:
@@ -135,15 +141,27 @@ def slowest_step(trial: Trial, outcome: Outcome) -> tuple[float, int]:
     return max(found, default=(0.0, -1))
 
 
+def _run(trial: Trial, first: int, number: int) -> Outcome:
+    """Run some cases; of a case that raises, the error is a failure like others."""
+    try:
+        return trial.run(first, number, UNTRACED)
+    except Exception as error:  # whatever it is, the table is to tell it with its seed
+        if number == 1:
+            return Outcome(failures=[Failure(first, f"{type(error).__name__}: {error}")])
+    outcome, half = _run(trial, first, number // 2), number // 2
+    outcome.add(_run(trial, first + half, number - half))
+    return outcome
+
+
 def attempt(trial: Trial, first: int, cases: int, progress: bool = False) -> tuple[Outcome, float]:
     """Run a trial's cases from number `first` on, after a case that compiles; returns also its CPU seconds."""
-    trial.run(first, 1, UNTRACED)
+    _run(trial, first, 1)
     outcome, done, chunk, begun = Outcome(), 0, 1, time.process_time()
     with tqdm(total=cases, desc=trial.name, unit="case", leave=False, disable=None if progress else True) as bar:
         while done < cases:
             chunk = min(chunk, cases - done)
             begin = time.perf_counter()
-            outcome.add(trial.run(first + done, chunk, UNTRACED))
+            outcome.add(_run(trial, first + done, chunk))
             done += chunk
             bar.update(chunk)
             chunk = max(1, round(chunk * min(4.0, _CHUNK / max(time.perf_counter() - begin, 1e-6))))

@@ -16,8 +16,12 @@ _GIVES_UP = "ended: more than 20 000 impacts in an interval"
 Run = Callable[[int, int, np.ndarray], Outcome]
 
 
-def _ball(name: str, tried: str, cases: int, run: Run, unit: str = "impacts") -> Trial:
-    return Trial(f"ball-{name}", BALL, tried, unit, _DEPTH, cases, run, _GIVES_UP)
+def _ball(name: str, tried: str, cases: int, run: Run, unit: str = "impacts", met: str = "") -> Trial:
+    return Trial(f"ball-{name}", BALL, tried, unit, _DEPTH, cases, run, _GIVES_UP, met)
+
+
+def _presets(env_id: str) -> str:
+    return " or ".join(fuzz.PRESETS[env_id])
 
 
 def _all() -> list[Trial]:
@@ -30,7 +34,7 @@ def _all() -> list[Trial]:
             "launches", _DEPTH, 8000, ball_grazing.run,
         ),
         _ball("chatter", "chatter, rest and release on a bar that moves up and down at 5 to 100 m/s^2", 1500,
-              ball.runs(ball.chatter)),
+              ball.runs(ball.chatter), met="intervals that end at rest"),
         _ball("losses", "restitution 0 and 1, bars still and moving, from 1e-12 m up", 800, ball.runs(ball.losses)),
         _ball("motions", "another random bar motion in every cycle, over the whole range of the actions", 1000,
               ball.runs(ball.motions, motions=True), "motions"),
@@ -54,7 +58,7 @@ def _all() -> list[Trial]:
         Trial(
             "aircraft-standing", AIRCRAFT,
             "slowed to airspeed 0 and sped up again, in still air and in a shear of up to 0.2 1/s", "steps",
-            "rounding, of 10 km, 100 m/s and a turn", 200, air.standing,
+            "rounding, of 10 km, 100 m/s and a turn", 200, air.standing, met="at airspeed 0",
         ),
         Trial(
             "aircraft-turns", AIRCRAFT, "a million turns in one direction, in steps of 1 s to 1 h", "turns",
@@ -65,7 +69,8 @@ def _all() -> list[Trial]:
             _APART, 150, air.intervals,
         ),
         Trial(
-            "aircraft-rough", AIRCRAFT, "turbulence of 20 m/s, six times severe, down to the ground", "steps",
+            "aircraft-rough", AIRCRAFT,
+            "turbulence of 20 m/s, six times as strong as severe, down to the ground", "steps",
             "variance of a gust off, of it", 40, air.rough,
         ),
         Trial(
@@ -79,19 +84,21 @@ def _all() -> list[Trial]:
         ),
         Trial(
             "ride-hopping", RIDE, "light wheels on hard tyres at 100 m/s over roads of class E to H", "steps", _APART,
-            250, ride.hop_cases,
+            250, ride.hop_cases, met="with the wheel off the ground",
         ),
         Trial("ride-far", RIDE, "the default scene, on and on", "steps", "", 100, ride.far),
         Trial(
             "ride-denormals", RIDE, "level roads, from motions of 1e-320 to 1e-300", "steps", "", 20, ride.small_cases,
+            met="with all of the motion below 2.3e-308",
         ),
         *(
             Trial(
-                f"{name}-fuzz", system, "scenes drawn from the ranges of all their fields, actions of all kinds",
-                "steps", "", 600, run, "refused, each with what is allowed",
+                f"{name}-fuzz", system, f"{_presets(env_id)}, fields of it and of its options drawn from their ranges; "
+                "actions drawn, abrupt, held, none, and +-1e300",
+                "steps", "", 600, fuzz.fuzzed(env_id), "refused, each with what is allowed",
             )
-            for name, system, run in (
-                ("ball", BALL, fuzz.ball), ("aircraft", AIRCRAFT, fuzz.aircraft), ("ride", RIDE, fuzz.ride)
+            for name, system, env_id in (
+                ("ball", BALL, "BallOnBar"), ("aircraft", AIRCRAFT, "Autopilot"), ("ride", RIDE, "TerrainRide")
             )
         ),
         Trial(
@@ -100,7 +107,8 @@ def _all() -> list[Trial]:
             "", 2 * len(same_bytes.SCENES), same_bytes.same_everywhere,
         ),
         Trial(
-            "processes", ALL, "every scene in this process and in another", "steps", "", 2, same_bytes.processes,
+            "processes", ALL, f"{len(same_bytes.SCENES)} scenes in this process and in another", "steps", "", 2,
+            same_bytes.processes,
         ),
     ]  # fmt: skip
 
