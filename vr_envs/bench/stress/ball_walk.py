@@ -32,7 +32,7 @@ _GRAZED = 1e-7  # in place of _ON after an impact without speed, of which the ti
 LOG = 1 << 16  # rows of the log, more than the impacts of any interval: it has two pieces at most
 SAMPLES = 8  # instants of a rest at which it is judged
 _HALVINGS = 40  # of a stretch in which a flight ends in a rest, or begins from one
-RESTS = 32  # one interval in so many has the rests judged with which it begins or ends, which takes long
+RESTS = 16  # one interval in so many has its rests judged, which takes long
 CONSTANT, UNIFORM, CORNERS = 0, 1, 2  # kinds of actions: none, drawn anew in every interval, drawn from {-1, 1}
 
 REASONS = (
@@ -143,8 +143,8 @@ def _judge_rest(states, motion, course, flight, arrival, options, log, at_rest, 
         deep = deepest(course, Flight(s, x, z, u, w, flight.gravity), s, arrival.start, DEEPEST)
         if deep == math.inf:
             return _UNJUDGED, deep
-    # two flights that are not one have a contact between them, however short
-    if (begin < end or not (at_rest[0] or at_rest[1])) and not (left and came):
+    # two flights that are not one have a contact between them, however short: then they may be one to within the slack
+    if not (left and came) if begin < end else not (left or came):
         return _ELSEWHERE, deep
     for k in range(1, SAMPLES + 1):
         s = begin + (end - begin) * k / (SAMPLES + 1)
@@ -201,7 +201,7 @@ def _judge(states, motion, course, options, log, spare, rests):
             apart, size = apart + abs(u - arrival.u) + abs(w - arrival.w), size + abs(u) + abs(w)
         rests_now, failure, found = last and after.resting != 0, 0, 0.0
         if rested or rests_now or not apart <= SAME * size:
-            if rests or not (rested or rests_now):
+            if rests:
                 failure, found = _judge_rest(
                     states, motion, course, flight, arrival, options, spare, (rested, rests_now), slack
                 )  # fmt: skip
