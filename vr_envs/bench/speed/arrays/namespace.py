@@ -7,6 +7,7 @@ whose shapes are fixed, for all rows, and not at all in a step where it concerns
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -43,6 +44,7 @@ def _where_numpy(mask: np.ndarray, state: State, change: Callable[[State], State
 NUMPY = Arrays("NumPy", np, _where_numpy, lambda function: function)
 
 
+@functools.cache
 def jax_arrays() -> Arrays:
     """JAX on the CPU in float64, compiled (`jax.jit`), the state's memory given back to it."""
     import jax  # pyright: ignore[reportMissingImports] (an extra of its own)
