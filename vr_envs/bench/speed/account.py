@@ -52,8 +52,8 @@ def _speeds_note(cases: Sequence[Case], measured: Measured) -> str:
     ]
     if _has_jax(measured):
         sentences.append(
-            "A JAX program whose loop over steps is compiled too (`lax.scan`) avoids the dispatch of every step, which "
-            "dominates at few rows."
+            f"{JAX} computes in one thread. A program whose loop over steps {JAX} compiles too (`lax.scan`) avoids the "
+            "dispatch of every step, which dominates at few rows."
         )
     return " ".join(sentences)
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import functools
 import math
+import os
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -46,7 +47,8 @@ NUMPY = Arrays("NumPy", np, _where_numpy, lambda function: function)
 
 @functools.cache
 def jax_arrays() -> Arrays:
-    """JAX on the CPU in float64, compiled (`jax.jit`), the state's memory given back to it."""
+    """JAX on the CPU in float64, compiled (`jax.jit`), in one thread, the state's memory given back to it."""
+    os.environ["NPROC"] = "1"  # its pool of threads; more are no faster here, and take half as much CPU time again
     import jax  # pyright: ignore[reportMissingImports] (an extra of its own)
 
     jax.config.update("jax_enable_x64", True)  # before anything is made
