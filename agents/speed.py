@@ -12,26 +12,29 @@ import torch
 from stable_baselines3 import PPO
 from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env import DummyVecEnv, VecEnv
+from tqdm import tqdm
 
 from agents.adapter import BatchVecEnv
 from agents.learn import make_batch
 from vr_envs.envs.registry import spec_of
 
 ROWS, SAMPLES = 64, 4096  # environments, and samples per update
+REPEATS = 3
+SETTLED = 24  # steps of every environment before the clock starts: a ball's cost grows at first
 SETTINGS: dict[str, Any] = {"batch_size": 1024, "n_epochs": 4, "gamma": 0.98, "seed": 0, "device": "cpu"}
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass
 class Training:
-    """CPU seconds of a training of `steps`: in the environments, in the rest of the rollouts, and in the updates."""
+    """CPU seconds in the environments, in the rest of the rollouts, and in the updates; lists, by repeat of `steps`."""
 
     env_id: str
     vec_env: str
     rows: int
     steps: int
-    environments: float
-    policy: float
-    update: float
+    environments: list[float]
+    policy: list[float]
+    update: list[float]
 
 
 class _Clock:
@@ -51,30 +54,53 @@ class _Clock:
         setattr(owner, name, timed)
 
 
-def _train(env_id: str, name: str, vec: VecEnv, steps: int) -> Training:
-    torch.set_num_threads(1)
-    model = PPO("MlpPolicy", vec, n_steps=SAMPLES // vec.num_envs, **SETTINGS)
-    model.learn(SAMPLES)  # what is done once is not timed
-    inside, rollout, update = (
-        _Clock(vec, "step_wait"), _Clock(model, "collect_rollouts"), _Clock(model, "train")
-    )  # fmt: skip
-    begin = model.num_timesteps
-    model.learn(steps, reset_num_timesteps=False)
-    done = model.num_timesteps - begin
-    vec.close()
-    return Training(env_id, name, vec.num_envs, done, inside.seconds, rollout.seconds - inside.seconds, update.seconds)
+class _Learner:
+    """PPO on a vector environment, timed whenever it goes on learning."""
+
+    def __init__(self, env_id: str, name: str, vec: VecEnv) -> None:
+        self.vec, self.model = vec, PPO("MlpPolicy", vec, n_steps=SAMPLES // vec.num_envs, **SETTINGS)
+        self.model.learn(max(SAMPLES, SETTLED * vec.num_envs))  # what is done once is not timed
+        self.clocks = (
+            _Clock(vec, "step_wait"), _Clock(self.model, "collect_rollouts"), _Clock(self.model, "train")
+        )  # fmt: skip
+        self.found = Training(env_id, name, vec.num_envs, 0, [], [], [])
+
+    def go_on(self, steps: int) -> None:
+        """Learn for at least `steps`, and note the times."""
+        for clock in self.clocks:
+            clock.seconds = 0.0
+        begin = self.model.num_timesteps
+        self.model.learn(steps, reset_num_timesteps=False)
+        inside, rollout, update = (clock.seconds for clock in self.clocks)
+        found = self.found
+        found.steps = self.model.num_timesteps - begin
+        found.environments.append(inside)
+        found.policy.append(rollout - inside)
+        found.update.append(update)
 
 
 def compare(env_id: str, steps: int) -> list[Training]:
-    """Train in the default scene for at least `steps`: scalar environments, a batch of as many, and a larger one.
+    """Train in the default scene for `REPEATS` times at least `steps`, all to and fro within a repeat.
+
+    On scalar environments, on a batch of as many, and on a larger one.
 
     Raises:
         ValueError: unknown id.
     """
     name = spec_of(env_id).id
-    scalar = DummyVecEnv([lambda: Monitor(gym.make(name))] * ROWS)
-    batches = [BatchVecEnv(make_batch(name, None, rows)) for rows in (ROWS, SAMPLES // 4)]
-    return [
-        _train(name, "DummyVecEnv of scalar environments", scalar, steps),
-        *(_train(name, "native batch", batch, steps) for batch in batches),
+    torch.set_num_threads(1)
+    batch = "native batch"
+    learners = [
+        _Learner(name, form, vec)
+        for form, vec in (
+            ("DummyVecEnv of scalar environments", DummyVecEnv([lambda: Monitor(gym.make(name))] * ROWS)),
+            (batch, BatchVecEnv(make_batch(name, None, ROWS))),
+            (batch, BatchVecEnv(make_batch(name, None, SAMPLES // 4))),
+        )
     ]
+    order = [learner for repeat in range(REPEATS) for learner in learners[:: 1 if repeat % 2 == 0 else -1]]
+    for learner in tqdm(order, f"training, {spec_of(env_id).name}", leave=False, disable=None, unit="run"):
+        learner.go_on(steps)
+    for learner in learners:
+        learner.vec.close()
+    return [learner.found for learner in learners]

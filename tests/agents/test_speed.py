@@ -3,7 +3,7 @@ import json
 import pytest
 
 from agents.__main__ import main
-from agents.speed import ROWS, SAMPLES
+from agents.speed import REPEATS, ROWS, SAMPLES
 
 
 def test_the_time_of_a_training_is_split(toy, capsys):
@@ -12,7 +12,8 @@ def test_the_time_of_a_training_is_split(toy, capsys):
     assert [t["rows"] for t in found] == [ROWS, ROWS, SAMPLES // 4]
     assert [t["vec_env"] for t in found] == ["DummyVecEnv of scalar environments", *["native batch"] * 2]
     assert all(t["env_id"] == toy and t["steps"] == SAMPLES for t in found)
-    assert all(t[part] > 0.0 for t in found for part in ("environments", "policy", "update"))
+    for part in ("environments", "policy", "update"):
+        assert all(len(t[part]) == REPEATS and min(t[part]) > 0.0 for t in found)
 
 
 def test_an_unknown_id_is_refused(capsys):

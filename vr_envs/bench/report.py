@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
+import importlib.metadata
 import io
 import os
 import platform
@@ -19,15 +21,22 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+OPPONENTS = ("scipy", "pymunk", "mujoco", "mpmath", "jax", "torch", "stable-baselines3")
+
+
 @dataclasses.dataclass(frozen=True)
 class Table:
-    """A titled table of texts; columns numbered in `left` are aligned to the left. `note` stands under it."""
+    """A titled table of texts; columns numbered in `left` are aligned to the left. `note` stands under it.
+
+    `detail`: it goes to NAME.md, not to the terminal.
+    """
 
     title: str
     head: list[str]
     rows: list[list[str]]
     left: Collection[int] = (0,)
     note: str = ""
+    detail: bool = False
 
     def markdown(self) -> str:
         """As Markdown, which also reads well as plain text."""
@@ -45,9 +54,19 @@ def processor() -> str:
     return platform.processor() or platform.machine()
 
 
-def machine() -> dict[str, str]:
-    """Processor, cores, system and versions, on which every number here depends."""
-    return {"processor": f"{processor()}, {os.cpu_count()} cores", "system": platform.platform(), **versions()}
+def _installed(packages: Collection[str]) -> dict[str, str]:
+    """Their versions, of those that are installed."""
+    found = {}
+    for package in packages:
+        with contextlib.suppress(importlib.metadata.PackageNotFoundError):
+            found[package] = importlib.metadata.version(package)
+    return found
+
+
+def machine(packages: Collection[str] = OPPONENTS) -> dict[str, str]:
+    """Processor, cores, system and versions, on which every number here depends; those of `packages` if installed."""
+    computer = {"processor": f"{processor()}, {os.cpu_count()} cores", "system": platform.platform()}
+    return {**computer, **versions(), **_installed(packages)}
 
 
 @dataclasses.dataclass
@@ -55,7 +74,8 @@ class Report:
     """What one benchmark found.
 
     `sentences`: what the tables say, in words; `numbers`: everything, for programs; `figures`: name -> picture;
-    `failed`: something is wrong with what was measured, and the command's exit code says so.
+    `failed`: something is wrong with what was measured, and the command's exit code says so; `quick`: a fraction of the
+    work was done; `packages`: whose versions belong to the numbers.
     """
 
     name: str
@@ -65,12 +85,16 @@ class Report:
     numbers: dict[str, Any] = dataclasses.field(default_factory=dict)
     figures: dict[str, Figure] = dataclasses.field(default_factory=dict)
     failed: bool = False
+    quick: bool = False
+    packages: Collection[str] = OPPONENTS
 
-    def text(self) -> str:
-        """Sentences and tables, for a terminal and as Markdown."""
-        lines = [f"## {self.title}", ", ".join(f"{key} {value}" for key, value in machine().items())]
+    def text(self, detail: bool = True) -> str:
+        """Sentences and tables, as Markdown; without tables of detail for a terminal."""
+        title = f"## {self.title}{' (quick: a fraction of the work)' if self.quick else ''}"
+        lines = [title, ", ".join(f"{key} {value}" for key, value in machine(self.packages).items())]
         lines += ["\n".join(f"- {sentence}" for sentence in self.sentences)] if self.sentences else []
-        return "\n\n".join(lines + [table.markdown() for table in self.tables]) + "\n"
+        lines += [table.markdown() for table in self.tables if detail or not table.detail]
+        return "\n\n".join(lines) + "\n"
 
     def write(self, folder: str | os.PathLike[str]) -> list[Path]:
         """Write NAME.json, NAME.md and NAME-PICTURE.png, each all or nothing; returns their paths.
@@ -80,7 +104,13 @@ class Report:
         """
         target = Path(folder)
         target.mkdir(parents=True, exist_ok=True)
-        data = {"name": self.name, "machine": machine(), "sentences": self.sentences, "numbers": self.numbers}
+        data = {
+            "name": self.name,
+            "quick": self.quick,
+            "machine": machine(self.packages),
+            "sentences": self.sentences,
+            "numbers": self.numbers,
+        }
         paths = [target / f"{self.name}.json", target / f"{self.name}.md"]
         write_json(paths[0], data)
         pictures = [f"![{name}]({self.name}-{name}.png)" for name in self.figures]

@@ -7,6 +7,9 @@ import time
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
+WARM_UP = 4  # calls, of which the second half is timed
+_LEAST = 1e-6  # s: no call is shorter; a clock that ticks seldom may say so
+
 
 class Spread(NamedTuple):
     """Smallest, median and largest of the repeats."""
@@ -30,20 +33,16 @@ class Spread(NamedTuple):
         return f"{middle} ({low} to {high})"
 
 
-def cpu_seconds(work: Callable[[], object]) -> float:
-    """CPU seconds of this process, all threads, that one call takes."""
-    begin = time.process_time()
-    work()
-    return time.process_time() - begin
+def calls_for(work: Callable[[], object], seconds: float, warm_up: int = WARM_UP, whole: int = 1) -> int:
+    """How many calls take about `seconds` of CPU time, at least one, by the later half of `warm_up` calls, two or more.
 
-
-def calls_for(work: Callable[[], object], seconds: float, most: int = 1 << 30) -> int:
-    """How many calls take about `seconds` of CPU time, at least one; the first, which may compile, is not timed."""
-    work()
-    calls = 1
-    while (spent := _many(work, calls)) < 0.1 * seconds and calls < most:
-        calls *= 2
-    return max(1, min(most, round(calls * seconds / max(spent, 1e-9))))
+    A multiple of `whole`, where so many take no longer than twice `seconds`.
+    """
+    timed = warm_up // 2
+    _many(work, warm_up - timed)
+    calls = seconds / max(_many(work, timed) / timed, _LEAST)
+    whole = whole if 2.0 * calls >= whole else 1
+    return whole * max(1, round(calls / whole))
 
 
 def _many(work: Callable[[], object], calls: int) -> float:
@@ -53,17 +52,32 @@ def _many(work: Callable[[], object], calls: int) -> float:
     return time.process_time() - begin
 
 
-def per_call(works: Sequence[Callable[[], object]], repeats: int, seconds: float) -> list[list[float]]:
+def per_call(
+    works: Sequence[Callable[[], object]],
+    repeats: int,
+    seconds: float,
+    warm_up: int = WARM_UP,
+    wholes: Sequence[int] | None = None,
+) -> list[list[float]]:
     """CPU seconds per call of each work, one number per repeat; all works in turn within a repeat.
 
     To and fro, so that a drift of the machine's speed favours none, and a ratio compares times taken side by side.
+
+    Args:
+        works: what is called.
+        repeats: timings of each.
+        seconds: about how long each timing lasts.
+        warm_up: calls of each work before the clock starts, at least two: what is done once is not timed, and works
+            that become slower as they go on have come equally far.
+        wholes: of each work, calls that belong together, such as an episode; see `calls_for`.
 
     Raises:
         ValueError: repeats below 1.
     """
     if repeats < 1:
         raise ValueError(f"repeats = {repeats}; give at least 1")
-    calls = [calls_for(work, seconds) for work in works]
+    together = wholes or [1] * len(works)
+    calls = [calls_for(work, seconds, warm_up, whole) for work, whole in zip(works, together, strict=True)]
     times: list[list[float]] = [[] for _ in works]
     for repeat in range(repeats):
         order = range(len(works))

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from vr_envs.cli import bench_accuracy, bench_features, bench_speed, bench_stress
-from vr_envs.cli.common import UserError, add_command, user_input
+from vr_envs.cli.common import UserError, add_command, extra, user_input
 
 if TYPE_CHECKING:
     from vr_envs.bench.report import Report
@@ -39,8 +40,11 @@ def _runner(measure: Callable[[argparse.Namespace], Report]) -> Callable[[argpar
             raise UserError(f"--out {folder} is a file; give a folder")
         with user_input():
             folder.mkdir(parents=True, exist_ok=True)  # before long work, not after it
+        with extra("bench"):
+            import_module("matplotlib.figure")  # before long work too
         report = measure(arguments)
-        print(report.text())
+        report.quick = arguments.quick
+        print(report.text(detail=False))
         with user_input():
             for path in report.write(folder):
                 print(f"wrote {path}")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from vr_envs.cli.common import UserError
+from vr_envs.cli.common import extra
 
 if TYPE_CHECKING:
     from vr_envs.bench.report import Report
@@ -27,10 +27,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def measure(arguments: argparse.Namespace) -> Report:
     """Measure and report."""
-    try:
+    with extra("bench"):
         from vr_envs.bench.accuracy.measure import measure as measured
-    except ImportError as error:
-        raise UserError(
-            f"this needs mpmath, mujoco and matplotlib: pip install '.[bench]' in a clone of the project ({error})"
-        ) from error
     return measured(arguments.system, arguments.quick)

@@ -41,12 +41,12 @@ def measure(arguments: argparse.Namespace) -> Report:
         cases = cases_of(arguments.id)
     repeats = arguments.repeats or (3 if quick else 5)
     jax = has_jax() and not quick
-    measured = measured_of(cases, arguments.rows, repeats, 0.02 if quick else 0.1, jax, progress=True)
+    measured = measured_of(cases, arguments.rows, repeats, 0.02 if quick else 0.06, jax, progress=True)
     ids = list(dict.fromkeys(case.env_id for case in cases))
     left_out = [] if jax else [JAX_LEFT_OUT if quick else JAX_MISSING]
     trainings = []
     if (reason := training.missing()) is None:
-        trainings = training.trainings(ids[:1] if quick else ids, 10_000 if quick else 100_000)
+        trainings = training.trainings(ids[:1] if quick else ids, 4096 if quick else 16_384)
     else:
         left_out.append(reason)
     found = goals(cases, measured)

@@ -24,6 +24,15 @@ def user_input() -> Iterator[None]:
         raise UserError(" ".join(str(error).split())) from error
 
 
+@contextmanager
+def extra(name: str) -> Iterator[None]:
+    """Within it, what cannot be imported belongs to an extra of the package that the user has not installed."""
+    try:
+        yield
+    except ImportError as error:
+        raise UserError(f"{error}; this needs pip install '.[{name}]' in a clone of the project") from error
+
+
 def add_command(commands: Any, name: str, summary: str, examples: str) -> argparse.ArgumentParser:
     """A subcommand whose help ends with examples."""
     return commands.add_parser(

@@ -3,6 +3,8 @@ import numpy as np
 import pytest
 
 from vr_envs.bench.speed import contestants
+from vr_envs.bench.speed.arrays.namespace import NUMPY
+from vr_envs.bench.speed.arrays.terrain_ride import RideArrays
 from vr_envs.bench.speed.contestants import CASES, Case, cases_of
 from vr_envs.envs.ball_on_bar import BallOnBarBatchEnv
 
@@ -84,3 +86,13 @@ def test_impacts_are_counted_over_all_episodes(rows):
         steps += moved.sum()
     assert steps < 75 * rows
     assert found == pytest.approx(impacts / steps, rel=1e-13)
+
+
+def test_an_opponent_is_compiled_once_for_all_kinds_of_actions():
+    compiled = []
+    arrays = NUMPY._replace(compiled=lambda function: compiled.append(function) or function)
+    for actions in contestants.ACTIONS:
+        work = contestants.on_arrays(Case("vr_envs/TerrainRide-v0", "lecture", actions, None, RideArrays), 3, arrays)
+        work()
+        work()
+    assert len(compiled) == 1

@@ -7,8 +7,9 @@ done, as a ball's does on how often it bounces. Resets are paid for in every for
 from __future__ import annotations
 
 import dataclasses
+import functools
 import itertools
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import gymnasium as gym
@@ -17,10 +18,11 @@ import numpy as np
 from vr_envs.bench.speed.arrays.autopilot import AutopilotArrays
 from vr_envs.bench.speed.arrays.autopilot_airliner import AirlinerArrays
 from vr_envs.bench.speed.arrays.ball_on_bar import BallArrays
-from vr_envs.bench.speed.arrays.namespace import Arrays
+from vr_envs.bench.speed.arrays.namespace import NUMPY, Arrays
 from vr_envs.bench.speed.arrays.terrain_ride import RideArrays
 from vr_envs.envs.batch import BatchEnv
-from vr_envs.envs.registry import limit_of, spec_of
+from vr_envs.envs.registry import limit_of, spec_of, task_of
+from vr_envs.envs.scene import resolve
 
 ACTION_SETS = 16
 ACTIONS = {"full range": 1.0, "small": 0.1}  # name -> largest absolute value
@@ -38,7 +40,7 @@ class Case:
     """
 
     env_id: str
-    scene: str | Mapping[str, Any] | None
+    scene: str | None
     actions: str = "full range"
     goal: float | None = None
     opponent: Any = None
@@ -144,13 +146,19 @@ def sync(case: Case, rows: int) -> Callable[[], None]:
     return _stepping(env, itertools.cycle(draw(case.actions, rows, env.action_space.shape[1])))  # type: ignore[index]
 
 
+@functools.cache
+def _opponent(opponent: Any, arrays: Arrays, env_id: str, scene: str | None) -> tuple[Callable[..., Any], ...]:
+    """`start` in NumPy, where it compiles nothing, and `step`, compiled once for all kinds of actions."""
+    given = resolve(task_of(env_id), scene), limit_of(env_id)
+    return opponent(NUMPY, *given).start, arrays.compiled(opponent(arrays, *given).step)
+
+
 def on_arrays(case: Case, rows: int, arrays: Arrays) -> Callable[[], None]:
     """One step of the case's opponent."""
-    native = _batch(case, rows)
-    system = case.opponent(arrays, native.world.scene, limit_of(case.env_id))
-    actions = itertools.cycle(draw(case.actions, rows, native.world.widths[1]))
-    step = arrays.compiled(system.step)
-    state = system.start(arrays.xp.arange(rows, dtype=np.uint64))
+    start, step = _opponent(case.opponent, arrays, case.env_id, case.scene)
+    begin = start(np.arange(rows, dtype=np.uint64))
+    state = {name: arrays.xp.array(values) for name, values in begin.items()}
+    actions = itertools.cycle(draw(case.actions, rows, _batch(case, 1).world.widths[1]))
 
     def work() -> None:
         nonlocal state

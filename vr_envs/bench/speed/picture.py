@@ -10,11 +10,11 @@ from matplotlib.lines import Line2D
 from vr_envs.bench.speed.arrays.namespace import NUMPY
 from vr_envs.bench.speed.contestants import CARTPOLE, Case
 from vr_envs.bench.speed.goals import GOAL_ROWS
-from vr_envs.bench.speed.measure import FAMILIES, NATIVE, SCALAR, SYNC, Measured
+from vr_envs.bench.speed.measure import FAMILIES, JAX, NATIVE, SCALAR, SYNC, Measured
 from vr_envs.envs.registry import spec_of
 from vr_envs.render.style import BLUE, GREY, GROUND, INK, ORANGE, PANEL, PAPER, RED, RULE, Colour
 
-_COLOURS: dict[str, Colour] = {NATIVE: BLUE, NUMPY.name: ORANGE, "JAX": RED, SYNC: GROUND, SCALAR: INK}
+_COLOURS: dict[str, Colour] = {NATIVE: BLUE, NUMPY.name: ORANGE, JAX: RED, SYNC: GROUND, SCALAR: INK}
 _DASHES = ("-", "--", ":", "-.")
 
 

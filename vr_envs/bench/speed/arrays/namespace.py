@@ -7,7 +7,9 @@ whose shapes are fixed, for all rows, and not at all in a step where it concerns
 
 from __future__ import annotations
 
+import functools
 import math
+import os
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -43,8 +45,10 @@ def _where_numpy(mask: np.ndarray, state: State, change: Callable[[State], State
 NUMPY = Arrays("NumPy", np, _where_numpy, lambda function: function)
 
 
+@functools.cache
 def jax_arrays() -> Arrays:
-    """JAX on the CPU in float64, compiled (`jax.jit`), the state's memory given back to it."""
+    """JAX on the CPU in float64, compiled (`jax.jit`), in one thread, the state's memory given back to it."""
+    os.environ["NPROC"] = "1"  # its pool of threads; more are no faster here, and take half as much CPU time again
     import jax  # pyright: ignore[reportMissingImports] (an extra of its own)
 
     jax.config.update("jax_enable_x64", True)  # before anything is made
