@@ -117,7 +117,7 @@ def test_a_ride_that_is_not_where_it_should_be_is_told():
 
 
 def lowered(number):
-    """A kernel that moves the ball as `advance` does, and then breaks it in one of three ways."""
+    """A kernel that moves the ball as `advance` does, and in an interval that is judged in full puts it elsewhere."""
 
     @kernel
     def broken(
@@ -128,11 +128,11 @@ def lowered(number):
             state, action, params, scatter, spin, friction, softening, curve, frequencies, ramp, sensing, camera,
             textbook, log,
         )  # fmt: skip
-        if state.steps == 3 and number == 0:
+        if state.steps == ball_walk.RESTS and number == 0:
             state.z -= 1e-9
-        elif state.steps == 3 and number == 1:
+        elif state.steps == ball_walk.RESTS and number == 1:
             state.w += 1e-9
-        elif state.steps == 3:
+        elif state.steps == ball_walk.RESTS:
             state.lost = True
 
     broken._cache = NullCache()
