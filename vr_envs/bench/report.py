@@ -21,13 +21,17 @@ if TYPE_CHECKING:
 
 @dataclasses.dataclass(frozen=True)
 class Table:
-    """A titled table of texts; columns numbered in `left` are aligned to the left. `note` stands under it."""
+    """A titled table of texts; columns numbered in `left` are aligned to the left. `note` stands under it.
+
+    `detail`: it goes to NAME.md, not to the terminal.
+    """
 
     title: str
     head: list[str]
     rows: list[list[str]]
     left: Collection[int] = (0,)
     note: str = ""
+    detail: bool = False
 
     def markdown(self) -> str:
         """As Markdown, which also reads well as plain text."""
@@ -66,11 +70,12 @@ class Report:
     figures: dict[str, Figure] = dataclasses.field(default_factory=dict)
     failed: bool = False
 
-    def text(self) -> str:
-        """Sentences and tables, for a terminal and as Markdown."""
+    def text(self, detail: bool = True) -> str:
+        """Sentences and tables, as Markdown; without tables of detail for a terminal."""
         lines = [f"## {self.title}", ", ".join(f"{key} {value}" for key, value in machine().items())]
         lines += ["\n".join(f"- {sentence}" for sentence in self.sentences)] if self.sentences else []
-        return "\n\n".join(lines + [table.markdown() for table in self.tables]) + "\n"
+        lines += [table.markdown() for table in self.tables if detail or not table.detail]
+        return "\n\n".join(lines) + "\n"
 
     def write(self, folder: str | os.PathLike[str]) -> list[Path]:
         """Write NAME.json, NAME.md and NAME-PICTURE.png, each all or nothing; returns their paths.

@@ -40,7 +40,7 @@ def _runner(measure: Callable[[argparse.Namespace], Report]) -> Callable[[argpar
         with user_input():
             folder.mkdir(parents=True, exist_ok=True)  # before long work, not after it
         report = measure(arguments)
-        print(report.text())
+        print(report.text(detail=False))
         with user_input():
             for path in report.write(folder):
                 print(f"wrote {path}")
