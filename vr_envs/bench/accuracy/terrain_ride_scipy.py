@@ -40,6 +40,16 @@ def gap_at(y, held, start, undulation, params, tyre, stop):
     return gap_of((y[0], y[1], y[2], y[3]), ground, (held[4], held[5]), params, tyre, stop)[0]
 
 
+def _told(call: Callable[[], Any], place: np.ndarray, held: np.ndarray) -> Any:
+    """The function of time and place that a call of nothing is, once it is told these in its arrays."""
+
+    def function(time: float, at: np.ndarray) -> Any:
+        held[0], place[:] = time, at
+        return call()
+
+    return function
+
+
 def integrated(episode: Episode, method: str, tolerance: float) -> Callable[[], np.ndarray]:
     """Work that drives the episode by `solve_ivp` with a relative tolerance and returns what is seen.
 
@@ -49,33 +59,20 @@ def integrated(episode: Episode, method: str, tolerance: float) -> Callable[[], 
     undulation, _, tyre, stop = episode.parts
     params, pieces = episode.params, list(episode.pieces())
     wanted = [(piece.ticks + 1) * TICK for piece in pieces]
+    # of the ground at the end of every tick
+    heights = [episode.ground(p, time) for p, times in zip(pieces, wanted, strict=True) for time in times.tolist()]
     place, held = np.empty(4), np.empty(8)
-    arguments = held, episode.start, undulation, params
-    ground_there, slopes_there, gap_there = (
-        bound(ground_at, *arguments),
-        bound(slopes_at, place, *arguments, tyre, stop),
-        bound(gap_at, place, *arguments, tyre, stop),
-    )
-
-    def ground(time: float) -> float:
-        held[0] = time
-        return ground_there()
-
-    def rates(time: float, at: np.ndarray) -> tuple[float, ...]:
-        held[0], place[:] = time, at
-        return slopes_there()
-
-    def gap(time: float, at: np.ndarray) -> float:
-        held[0], place[:] = time, at
-        return gap_there()
-
-    gap.terminal, gap.direction = True, -1.0  # type: ignore[attr-defined]
-    events: Any = gap if episode.touching else None
+    arguments = place, held, episode.start, undulation, params, tyre, stop
+    first = episode.first(episode.ground(pieces[0], 0.0))
+    touching = contacts_of(first, episode.ground(pieces[0], 0.0), params, tyre, stop)
+    rates, events = _told(bound(slopes_at, *arguments), place, held), None
+    if episode.touching:
+        events = _told(bound(gap_at, *arguments), place, held)
+        events.terminal, events.direction = True, -1.0
 
     def work() -> np.ndarray:
         rows, off = np.full((len(episode.actions), len(SEEN)), np.nan), 0.0
-        y = episode.first(episode.ground(pieces[0], 0.0))
-        contacts = contacts_of(y, episode.ground(pieces[0], 0.0), params, tyre, stop)
+        y, contacts = first, touching
         for piece, instants in zip(pieces, wanted, strict=True):
             begin = piece.begin
             while piece.end - begin > SAME:
@@ -92,10 +89,10 @@ def integrated(episode: Episode, method: str, tolerance: float) -> Callable[[], 
                 for time, at in zip(found.t, np.transpose(found.y), strict=True):
                     tick = round(time / TICK)
                     if abs(time - tick * TICK) < SAME:
-                        rows[tick - 1] = *episode.seen(at, ground(time)), off + contacts[0] * (time - begin)
+                        rows[tick - 1] = *episode.seen(at, heights[tick - 1]), off + contacts[0] * (time - begin)
                 off += contacts[0] * (end - begin)
                 if met:
-                    contacts = switched(y, ground(end), contacts, params, tyre, stop)
+                    contacts = switched(y, episode.ground(piece, end), contacts, params, tyre, stop)
                 begin = end
         return rows
 
