@@ -54,12 +54,14 @@ class Reference:
         """(x, tilt, z) of the bar at time s of the cycle, or the first or second derivative of that."""
         w, blend = self.p["omega"], self.p["blend"] * self.p["period"]
         u = min(s / blend, mp.mpf(1))
-        weights = [u * u * (3 - 2 * u), 6 * u * (1 - u) / blend, 6 * (1 - 2 * u) / blend**2 if u < 1 else 0]
+        weights = [u * u * (3 - 2 * u)]
+        if order > 0:
+            weights += [6 * u * (1 - u) / blend, 6 * (1 - 2 * u) / blend**2 if u < 1 else mp.mpf(0)]
         # of each phasor the value and the derivatives
-        m = [[k * (b - a) for k in weights[: order + 1]] for a, b in zip(self.old, new, strict=True)]
+        m = [[k * (b - a) for k in weights] for a, b in zip(self.old, new, strict=True)]
         for phasor, a in zip(m, self.old, strict=True):
             phasor[0] += a
-        ratios = [mp.mpf(1), mp.mpf(1), mp.mpf(2)]
+        ratios = [1, 1, 2]
         ramp, free = self.option("ramp"), self.option("frequencies")
         if ramp:
             elapsed = [self.number * self.p["period"] + s, mp.mpf(1), mp.mpf(0)]
@@ -68,7 +70,9 @@ class Reference:
                 m[i] = [v + t * rate for v, t in zip(m[i], elapsed, strict=False)]
         if free:
             ratios = [free["x"], free["tilt"], free["z"]]
-        place = []
+        # the base cycle is 1 / frequency to the last digit, as in the doubles
+        turn, place = 2 * mp.pi * self.number + w * s, []
+        turned = {r: mp.cos_sin(r * turn) for r in set(ratios)}
         for r, p, q in zip(ratios, m[::2], m[1::2], strict=True):
             # the derivative of p cos + q sin is (p' + r w q) cos + (q' - r w p) sin
             for _ in range(order):
@@ -76,8 +80,7 @@ class Reference:
                     [after + r * w * other for after, other in zip(p[1:], q, strict=False)],
                     [after - r * w * other for after, other in zip(q[1:], p, strict=False)],
                 )
-            # the base cycle is 1 / frequency to the last digit, as in the doubles
-            cos, sin = mp.cos_sin(2 * mp.pi * r * self.number + r * w * s)
+            cos, sin = turned[r]
             place.append(p[0] * cos + q[0] * sin)
         return place
 

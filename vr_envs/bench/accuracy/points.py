@@ -32,6 +32,7 @@ FAMILIES: tuple[str, ...] = (
     "located step",  # a compiled loop of steps that are split where an event is found in them
 )
 """What moves the state."""
+LONG = 0.1  # s, of a call whose time is not repeated more than once
 
 
 @dataclasses.dataclass(frozen=True)
@@ -139,7 +140,7 @@ def measured(runs: Sequence[Run], repeats: int, seconds: float, progress: bool, 
     """Carry out each run, judge what it returns, and time it `repeats` times for about `seconds` each.
 
     The runs of an episode are timed in turn within a repeat; those of which one call takes `seconds` by themselves, one
-    call a repeat. Compilation is not timed.
+    call a repeat, and two repeats if it takes `LONG`. Compilation is not timed.
 
     Raises:
         ValueError: a judge gave an error that is negative or not a number.
@@ -158,9 +159,10 @@ def measured(runs: Sequence[Run], repeats: int, seconds: float, progress: bool, 
                         raise ValueError(f"{runs[k].method.name}, {episode}: error of the {name} is {value}")
                 times[k] = [cpu_seconds(runs[k].work)]
             long = [k for k in group if times[k][0] >= seconds]
-            for _ in range(repeats - 1):
+            for repeat in range(1, repeats):
                 for k in long:
-                    times[k].append(cpu_seconds(runs[k].work))
+                    if repeat == 1 or times[k][0] < LONG:
+                        times[k].append(cpu_seconds(runs[k].work))
             short = [k for k in group if times[k][0] < seconds]
             times |= zip(short, per_call([runs[k].work for k in short], repeats, seconds), strict=True)
             bar.update(0.5 * len(group))
