@@ -138,6 +138,6 @@ def runs_of(episode: str, quick: bool) -> Iterator[Run]:
 def system(quick: bool, progress: bool) -> System:
     """Carry out all runs."""
     runs = [run for episode in EPISODES for run in runs_of(episode, quick)]
-    points = measured(runs, 1 if quick else 3, 0.005 if quick else 0.015, progress, "autopilot")
+    points = measured(runs, 1 if quick else 3, 0.005 if quick else 0.01, progress, "autopilot")
     told = {name: text for name, (text, _) in EPISODES.items()}
     return System("autopilot", "Aircraft", (ALTITUDE, HEADING, TRACK), told, points, NOTE, Params().dt)

@@ -111,6 +111,6 @@ def system(quick: bool, progress: bool) -> System:
     """Carry out all runs."""
     chosen = episodes(5 if quick else 15)
     runs = [run for episode in chosen for run in runs_of(episode, quick)]
-    repeats, seconds = (1, 0.01) if quick else (3, 0.015)
+    repeats, seconds = (1, 0.005) if quick else (3, 0.01)
     points = measured(runs, repeats, seconds, progress, "ball on a bar")
     return System("ball_on_bar", "Ball on a bar", MEASURES, {e.name: e.text for e in chosen}, points, NOTE)

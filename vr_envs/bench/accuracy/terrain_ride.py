@@ -104,6 +104,6 @@ def runs_of(name: str, quick: bool) -> Iterator[Run]:
 def system(quick: bool, progress: bool) -> System:
     """Carry out all runs."""
     runs = [run for name in SCENARIOS for run in runs_of(name, quick)]
-    points = measured(runs, 1 if quick else 3, 0.005 if quick else 0.015, progress, "terrain ride")
+    points = measured(runs, 1 if quick else 3, 0.005 if quick else 0.01, progress, "terrain ride")
     told = {name: scenario.told for name, scenario in SCENARIOS.items()}
     return System("terrain_ride", "Ride", MEASURES, told, points, NOTE, TICK)
