@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
+from vr_envs.bench.accuracy import autopilot_scipy
 from vr_envs.bench.accuracy.autopilot import (
     ALTITUDE,
     EPISODES,
@@ -16,7 +17,6 @@ from vr_envs.bench.accuracy.autopilot import (
     TRACK,
     advance,
     advance_in_steps,
-    flown,
     judged,
     look,
     start,
@@ -123,5 +123,16 @@ def test_orders_of_the_steps():
 @pytest.mark.parametrize("method", ["RK45", "DOP853", "LSODA"])
 def test_scipy_agrees(method):
     parts = tuple(records("airliner").get(k) for k in PARTS)
-    seen = flown(ACTIONS, pack(PARAMS), parts, method, 1e-11)
-    assert (errors("airliner", seen) < [1e-7, 1e-9, 1e-6]).all()
+    work = autopilot_scipy.integrated(start(), ACTIONS, pack(PARAMS), parts, method, 1e-11)
+    assert (errors("airliner", work()) < [1e-7, 1e-9, 1e-6]).all()
+    assert np.array_equal(work(), work())
+
+
+def test_a_flight_that_scipy_gives_up_is_infinitely_wrong(monkeypatch):
+    class Failed:
+        success = False
+
+    monkeypatch.setattr(autopilot_scipy, "solve_ivp", lambda *_, **__: Failed)
+    parts = tuple(records("airliner").get(k) for k in PARTS)
+    seen = autopilot_scipy.integrated(start(), ACTIONS, pack(PARAMS), parts, "LSODA", 1e-11)()
+    assert (errors("airliner", seen) == math.inf).all()

@@ -16,20 +16,41 @@ from vr_envs.bench.accuracy.front import order
 from vr_envs.bench.accuracy.points import Method, Point
 from vr_envs.bench.timing import Spread
 
+RAMP = "x_cos", "x_sin", "tilt_cos", "tilt_sin", "z_cos", "z_sin"
 SHORT = {episode.name: episode for episode in episodes(3)}
 ORBIT, TILTING = SHORT["period one"], SHORT["tilting bar, an action each cycle"]
 
 
-def test_reference_has_thirty_digits():
-    """More digits and finer differences change nothing before the thirtieth."""
-    found = []
+@pytest.mark.parametrize(("name", "cycles", "impacts"), [("chaotic", 15, 11), ("chatter and rest", 3, 130)])
+def test_reference_has_thirty_digits(name, cycles, impacts):
+    """More digits change nothing before the thirtieth, where errors grow and where a chatter is followed to its end."""
+    episode, found = {e.name: e for e in episodes(cycles)}[name], []
     for digits in (60, 90):
-        reference = Reference(TILTING.params, TILTING.states()[0], digits=digits)
-        for motion in TILTING.motions[1:]:
+        reference = Reference(episode.params, episode.states()[0], digits=digits)
+        for motion in episode.motions[1:]:
             reference.cycle(motion.tolist())
-        found.append([number for impact in reference.impacts for number in impact])
-    assert len(found[0]) == 4 * 6
+        assert len(reference.impacts) >= impacts and mp.mp.dps < 60
+        assert all(normal < 0 for *_, normal in reference.impacts)
+        found.append([number for impact in reference.impacts for number in impact] + [reference.x, reference.z])
     assert max(abs(a - b) for a, b in zip(*found, strict=True)) < mp.mpf(10) ** -30
+
+
+def test_the_references_bar_moves_as_it_says():
+    """Its derivatives against difference quotients, with all that can change its motion."""
+    options = {
+        "ramp": np.array([(0.1, -0.2, 0.3, 0.05, 0.2, 0.1)], [(k, float) for k in RAMP])[0],
+        "frequencies": np.array([(1.1, 0.9, 2.2)], [(k, float) for k in ("x", "tilt", "z")])[0],
+    }
+    for chosen in ({}, options):
+        reference = Reference(TILTING.params, TILTING.states()[0], chosen)
+        reference.old = [mp.mpf(v) for v in TILTING.motions[1].tolist()]
+        new, reference.number = [mp.mpf(v) for v in TILTING.motions[2].tolist()], 3
+        with mp.workdps(60):
+            for s in (mp.mpf("0.01"), mp.mpf("0.06")):  # while the motion changes, and after it
+                for order in (1, 2):
+                    true = [mp.diff(lambda t, i=i: reference.bar(new, t)[i], s, order) for i in range(3)]  # noqa: B023
+                    found = reference.bar(new, s, order)
+                    assert max(abs(a - b) for a, b in zip(found, true, strict=True)) < mp.mpf(10) ** -25
 
 
 def test_reference_of_period_one_is_the_closed_form():
@@ -81,9 +102,9 @@ def test_a_step_split_at_the_root_is_exact_until_it_misses_an_impact():
 @pytest.mark.parametrize(
     ("simulate", "least", "most"),
     [
-        (lambda episode, n: rigid_body(episode, float(episode.params["period"]) / n * (1.0 + 1e-9)), 0.8, 1.2),
-        (direct, 0.8, 1.2),
-        (ball_on_bar_mujoco.simulate, 0.4, 1.2),
+        (lambda episode, n: rigid_body(episode, float(episode.params["period"]) / n * (1.0 + 1e-9))(), 0.8, 1.2),
+        (lambda episode, n: direct(episode, n)(), 0.8, 1.2),
+        (lambda episode, n: ball_on_bar_mujoco.simulated(episode, n)(), 0.4, 1.2),
     ],
     ids=["rigid_body", "pymunk", "MuJoCo"],
 )
@@ -117,10 +138,16 @@ def test_the_opponents_bar_is_the_references():
     reference.old = [mp.mpf(v) for v in TILTING.motions[1].tolist()]
     new = [mp.mpf(v) for v in TILTING.motions[2].tolist()]
     omega, period = float(TILTING.params["omega"]), float(TILTING.params["period"])
-    for s in period * np.array([0.0, 0.1, 0.3, 0.49, 0.51, 0.8, 1.0]):  # a difference over the blend's end is none
+    for s in period * np.array([0.0, 0.1, 0.3, 0.5, 0.51, 0.8, 1.0]):
         found = bar(tuple(TILTING.motions[1]), tuple(TILTING.motions[2]), s, omega, 0.5 * period)
-        true = [*reference.bar(new, mp.mpf(s)), *reference.rates(new, mp.mpf(s))]
+        true = [*reference.bar(new, mp.mpf(s)), *reference.bar(new, mp.mpf(s), 1)]
         assert found == pytest.approx([float(v) for v in true], rel=1e-12, abs=1e-16)
+
+
+def test_a_simulator_begins_anew_at_every_call():
+    for work in (direct(TILTING, 200), rigid_body(TILTING, 5e-4), ball_on_bar_mujoco.simulated(TILTING, 200)):
+        first, second = work(), work()
+        assert np.array_equal(first.ends, second.ends) and np.array_equal(first.impacts, second.impacts)
 
 
 @pytest.mark.parametrize("ratio", [0.0, 0.05, 0.3, 0.8])
@@ -163,6 +190,11 @@ def test_judges_measure_what_they_say():
         (math.exp(0.3) - 1.0) * np.abs(true.ends[:, 0]).max(), rel=1e-12
     )
     assert set(episode.judge(Track(true.impacts, true.ends * math.nan)).values()) == {math.inf}
+    beyond = Track(true.impacts, true.ends * [-1.0, 1.0, 1.0, 1.0])
+    assert episode.judge(beyond)[GROWTH.name] == episode.judge(Track(true.impacts, 0.0 * true.ends))[GROWTH.name]
+    assert episode.judge(beyond)[GROWTH.name] == math.inf
     rest = SHORT["elastic"]
+    below = Track(rest.reference.impacts, np.array([[0.0, -0.01, 0.0, 0.2]] * 3))
+    assert rest.judge(below)[ENERGY.name] == math.inf
     faster = Track(rest.reference.impacts, np.array([[0.0, 0.01, 0.0, 0.2]] * 3))
     assert rest.judge(faster)[ENERGY.name] == pytest.approx(0.02, rel=1e-12)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
+from vr_envs.bench.accuracy import terrain_ride_scipy
 from vr_envs.bench.accuracy.loops import driven, episode_loop
 from vr_envs.bench.accuracy.terrain_ride import advance, advance_in_steps, chipmunk, look
 from vr_envs.bench.accuracy.terrain_ride_episodes import ENERGY, SCENARIOS, SEEN, TICK, Judge, episode_of
@@ -52,6 +53,19 @@ def test_a_root_is_the_first_one_even_between_samples():
         assert abs(series_root(dip, mpf(1)) - mpf(0.301)) < mpf(10) ** -35
         assert series_root([mpf(1), mpf(-1)], mpf(1) / 2) is None
         assert abs(series_root([mpf(0), mpf(1), mpf(-4)], mpf(1)) - mpf(1) / 4) < mpf(10) ** -35  # it begins at 0
+
+
+def test_the_reference_begins_with_its_digits():
+    """Whatever mpmath's own number of digits is."""
+    found = []
+    for digits in (15, 60):
+        with mp.workdps(digits):
+            found.append(reference("lecture").y)
+    assert found[0] == found[1]
+    ride = reference("lecture")
+    with mp.workdps(DIGITS):
+        true = sum(size * sine for size, _, sine, _ in ride.waves)
+        assert abs(ride.y[2] - true) < mpf(10) ** -38
 
 
 def test_ringing_is_a_damped_cosine():
@@ -135,21 +149,36 @@ def test_mujoco_makes_the_same_steps():
     """On a road a slide joint and a tendon move by the same rules as the compiled loops, contacts and all."""
     for name in ("road with stops", "quarter car"):
         for integrator, order in {"Euler": 1, "RK4": 4}.items():
-            mine, theirs = stepped(name, order, 4), simulated(EPISODES[name], integrator, TICK / 4)
+            mine, theirs = stepped(name, order, 4), simulated(EPISODES[name], integrator, TICK / 4)()
             assert np.abs(mine[:, :3] - theirs).max() < 1e-8
-    drift = JUDGES["ringing"](simulated(EPISODES["ringing"], "RK4", TICK / 4))[ENERGY.name]
+    drift = JUDGES["ringing"](simulated(EPISODES["ringing"], "RK4", TICK / 4)())[ENERGY.name]
     assert drift == pytest.approx(JUDGES["ringing"](stepped("ringing", 4, 4))[ENERGY.name], rel=0.01)
 
 
 @pytest.mark.parametrize("name", SCENARIOS)
 def test_scipy_agrees(name):
-    seen = integrated(EPISODES[name], "DOP853", 1e-11)
-    assert max(JUDGES[name](seen).values()) < 1e-7
+    work = integrated(EPISODES[name], "DOP853", 1e-11)
+    assert max(JUDGES[name](work()).values()) < 1e-7
+    assert np.array_equal(work(), work())
 
 
-def test_chipmunk_comes_near():
-    found = JUDGES["quarter car"](chipmunk(SCENARIOS["quarter car"], EPISODES["quarter car"], 1e-3))
-    assert found["travel"] < 0.05 and found["time off the ground"] < 0.1
+def test_a_ride_that_scipy_gives_up_is_infinitely_wrong(monkeypatch):
+    class Failed:
+        success = False
+
+    work = integrated(EPISODES["quarter car"], "LSODA", 1e-11)
+    monkeypatch.setattr(terrain_ride_scipy, "solve_ivp", lambda *_, **__: Failed)
+    assert set(JUDGES["quarter car"](work()).values()) == {math.inf}
+
+
+@pytest.mark.parametrize(("name", "least", "most"), [("lecture", 0.9, 1.1), ("quarter car", 0.9, 2.0)])
+def test_chipmunk_converges(name, least, most):
+    """To first order; on the tyre that comes and goes, whose contact lasts some steps only, faster at first."""
+    works = [chipmunk(SCENARIOS[name], EPISODES[name], step) for step in (1e-3, 1.25e-4)]
+    coarse, fine = (JUDGES[name](work()) for work in works)
+    assert np.array_equal(works[0](), works[0]())
+    for error in coarse:
+        assert least < math.log(coarse[error] / fine[error]) / math.log(8.0) < most, error
 
 
 def test_a_run_that_went_astray_is_infinitely_wrong():

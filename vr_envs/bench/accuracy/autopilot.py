@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from functools import partial
 from typing import Any
@@ -12,8 +13,8 @@ from mpmath import mp, mpf
 from vr_envs.bench.accuracy.account import System
 from vr_envs.bench.accuracy.autopilot_loops import advance_in_steps
 from vr_envs.bench.accuracy.autopilot_reference import DIGITS, SEEN, Flight
-from vr_envs.bench.accuracy.autopilot_scipy import integrate
-from vr_envs.bench.accuracy.loops import driven, episode_loop
+from vr_envs.bench.accuracy.autopilot_scipy import integrated
+from vr_envs.bench.accuracy.loops import driven, episode_loop, times_for
 from vr_envs.bench.accuracy.methods import EULER, EXACT, RK4, SCIPY, TEXTBOOK
 from vr_envs.bench.accuracy.points import Measure, Method, Run, measured
 from vr_envs.models.autopilot import Params, State, advance
@@ -60,7 +61,6 @@ NOTE = (
     "at these. solve_ivp and the Runge-Kutta rule from corner to corner are told when the limit of a rate's change "
     "ceases to act; other steps are not, and lose their order there."
 )
-STEPS = 20_000  # that one call of a compiled loop makes at least, so that the call itself costs nothing
 
 
 @kernel
@@ -84,6 +84,8 @@ def start() -> np.void:
 
 def judged(reference: list[list[Any]], wanted: tuple[Measure, ...], seen: np.ndarray) -> Mapping[str, float]:
     """Errors of what was `seen`, (intervals, 5), as `Run.judge` gives them."""
+    if not np.isfinite(seen).all():
+        return {m.name: math.inf for m in wanted}
     with mp.workdps(DIGITS):
         altitude, _, heading, x, z = (
             [mpf(float(a)) - b for a, b in zip(column, true, strict=True)]
@@ -97,15 +99,6 @@ def judged(reference: list[list[Any]], wanted: tuple[Measure, ...], seen: np.nda
     return {m.name: float(found[m]) for m in wanted}
 
 
-def flown(actions: np.ndarray, params: np.void, options: tuple[Any, ...], method: str, tolerance: float) -> np.ndarray:
-    """What scipy makes of the episode, as `driven` gives it; `options`: records of `PARTS`."""
-    state, seen = start(), []
-    for action in actions:
-        integrate(state, action, params, options, method, tolerance)
-        seen.append([state[name] for name in SEEN])
-    return np.array(seen)
-
-
 def runs_of(episode: str, quick: bool) -> Iterator[Run]:
     """All methods on one episode."""
     options, actions, first = EPISODES[episode][1], programme(), start()
@@ -114,17 +107,19 @@ def runs_of(episode: str, quick: bool) -> Iterator[Run]:
     span, packed = params.dt * len(actions), {name: pack(option) for name, option in options.items()}
     record, parts = pack(params), tuple(packed.get(name) for name in PARTS)
 
-    def compiled(method: Method, value: float | None, loop: Any, arguments: tuple[Any, ...], share: float) -> Run:
-        times = max(1, round(STEPS * share))
+    def compiled(method: Method, value: float | None, loop: Any, arguments: tuple[Any, ...], each: int = 1) -> Run:
+        """`each`: steps per control interval."""
+        times = times_for(each * len(actions))
         work = partial(driven, loop, first, actions, len(SEEN), times, arguments)
         return Run(method, episode, value, work, span * times, judge)
 
     exact = episode_loop(advance, look)
-    yield compiled(EXACT, None, exact, (record, *(packed.get(name) for name in OPTIONS)), 1.0 / len(actions))
+    yield compiled(EXACT, None, exact, (record, *(packed.get(name) for name in OPTIONS)))
     if episode == "lecture":
         for step in (1.0, 1e-1, 1e-2, 1e-3):
             engine = {**packed, "textbook": pack(Textbook(step=step))}
-            yield compiled(TEXTBOOK, step, exact, (record, *(engine.get(name) for name in OPTIONS)), step / span)
+            arguments = record, *(engine.get(name) for name in OPTIONS)
+            yield compiled(TEXTBOOK, step, exact, arguments, round(params.dt / step))
     stepped = episode_loop(advance_in_steps, look)
     for method, (order, sweep) in SWEEPS.items():
         if "lags" not in options:
@@ -132,15 +127,17 @@ def runs_of(episode: str, quick: bool) -> Iterator[Run]:
                 continue  # nothing has a corner
             sweep = SMOOTH if method is RK4 else sweep
         for step in sweep:
-            yield compiled(method, step, stepped, (record, *parts, order, step, method is LOCATED), step / span)
+            arguments = record, *parts, order, step, method is LOCATED
+            yield compiled(method, step, stepped, arguments, round(params.dt / step))
     for name, method in SCIPY.items():
         for tolerance in (1e-5, 1e-9) if quick else (1e-4, 1e-7, 1e-10, 1e-13):
-            yield Run(method, episode, tolerance, partial(flown, actions, record, parts, name, tolerance), span, judge)
+            work = integrated(first, actions, record, parts, name, tolerance)
+            yield Run(method, episode, tolerance, work, span, judge)
 
 
 def system(quick: bool, progress: bool) -> System:
     """Carry out all runs."""
     runs = [run for episode in EPISODES for run in runs_of(episode, quick)]
-    points = measured(runs, 1 if quick else 3, 0.005 if quick else 0.04, progress, "autopilot")
+    points = measured(runs, 1 if quick else 3, 0.005 if quick else 0.01, progress, "autopilot")
     told = {name: text for name, (text, _) in EPISODES.items()}
-    return System("autopilot", "Aircraft", (ALTITUDE, HEADING, TRACK), told, points, NOTE)
+    return System("autopilot", "Aircraft", (ALTITUDE, HEADING, TRACK), told, points, NOTE, Params().dt)

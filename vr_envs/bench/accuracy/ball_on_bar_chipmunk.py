@@ -8,6 +8,8 @@ exact. Chipmunk finds a contact at the end of the step in which the shapes have 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -39,34 +41,41 @@ class Watched(Bounces):
             self.seen.append((self.step + 1, approach.dot(self.bar.rotation_vector.perpendicular())))
 
 
-def rigid_body(episode: Episode, step: float) -> Track:
+def rigid_body(episode: Episode, step: float) -> Callable[[], Track]:
     """The package's engine with steps of at most `step`, one control interval after the other."""
-    simulator = BallOnBarSimulator(episode.scene_of({"rigid_body": {"step": step}}))
-    states = episode.states()
-    state = states[0]
-    impacts, ends = [], []
-    for k, motion in enumerate(episode.motions[1:].tolist()):
-        interval = Watched(simulator, state, tuple(motion))
-        interval.run(simulator.steps)
-        state["motion"] = motion
-        state["steps"] += 1
-        impacts += [(k, number * simulator.dt, normal) for number, normal in interval.seen]
-        ends.append([float(state[name]) for name in ("x", "z", "u", "w")])
-    return Track(np.array(impacts).reshape(-1, 3), np.array(ends))
+    simulator, motions = BallOnBarSimulator(episode.scene_of({"rigid_body": {"step": step}})), episode.motions.tolist()
+
+    def work() -> Track:
+        state, impacts, ends = episode.states()[0], [], []
+        for k, motion in enumerate(motions[1:]):
+            interval = Watched(simulator, state, tuple(motion))
+            interval.run(simulator.steps)
+            state["motion"] = motion
+            state["steps"] += 1
+            impacts += [(k, number * simulator.dt, normal) for number, normal in interval.seen]
+            ends.append([float(state[name]) for name in ("x", "z", "u", "w")])
+        return Track(np.array(impacts).reshape(-1, 3), np.array(ends))
+
+    return work
 
 
-def direct(episode: Episode, steps: int) -> Track:
-    """Pymunk with `steps` equal steps a base cycle."""
+def direct(episode: Episode, steps: int) -> Callable[[], Track]:
+    """Pymunk with `steps` equal steps a base cycle, told beforehand where the bar is at their ends."""
+    dt = float(episode.params["period"]) / steps
+    track = bar_track(episode.motions, episode.params, steps)
+    return partial(_bounced, episode, steps, dt, track[0].tolist(), (np.diff(track, axis=0) / dt).tolist())
+
+
+def _bounced(episode: Episode, steps: int, dt: float, place: list[float], velocities: list[list[float]]) -> Track:
+    """The episode of `direct`; `place` (x, z, tilt): the bar's at the start, `velocities`: in each step."""
     p = episode.params
-    gravity, dt = float(p["gravity"]), float(p["period"]) / steps
-    track = bar_track(episode.motions, p, steps)
-    share = float(p["tangential_loss"])
+    gravity, share = float(p["gravity"]), float(p["tangential_loss"])
     x, z, u, w = episode.place
     space = pymunk.Space()
     space.gravity = 0.0, -gravity
     space.collision_slop = 1e-9
     bar = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
-    bar.position, bar.angle = tuple(track[0, :2].tolist()), -float(track[0, 2])
+    bar.position, bar.angle = (place[0], place[1]), -place[2]
     surface = pymunk.Segment(bar, (-LONG, -RADIUS - THICK), (LONG, -RADIUS - THICK), THICK)
     surface.elasticity, surface.friction, surface.collision_type = 1.0, 1.0, 1
     ball = pymunk.Body(1.0, share / (1.0 - share) * RADIUS**2)
@@ -83,7 +92,7 @@ def direct(episode: Episode, steps: int) -> Track:
 
     space.on_collision(2, 1, begin=begin)
     ends = []
-    for number, (vx, vz, turn) in enumerate((np.diff(track, axis=0) / dt).tolist(), start=1):
+    for number, (vx, vz, turn) in enumerate(velocities, start=1):
         bar.velocity, bar.angular_velocity = (vx, vz), -turn
         ball.angular_velocity = -turn  # a ball without spin, whose contact slips as its centre does
         space.step(dt)

@@ -140,11 +140,13 @@ class Episode:
         if PLACE in self.judged:
             errors[PLACE.name] = float(np.hypot(*(track.ends - true.ends)[:, :2].T).max())
         if GROWTH in self.judged:
-            errors[GROWTH.name] = abs(math.log(abs(track.ends[-1, 0] / true.ends[-1, 0]))) / self.seconds
+            ratio = float(track.ends[-1, 0] / true.ends[-1, 0])
+            errors[GROWTH.name] = abs(math.log(ratio)) / self.seconds if ratio > 0.0 else math.inf
         if ENERGY in self.judged:
             above = track.ends[track.ends[:, 1] > 0.0]
             energies = [energy(row, float(self.params["gravity"])) for row in (self.place, *above)]
-            errors[ENERGY.name] = float(np.abs(np.subtract(energies, energies[0])).max())
+            drifts = np.abs(np.subtract(energies[1:], energies[0]))
+            errors[ENERGY.name] = float(drifts.max()) if len(drifts) else math.inf
         return errors
 
 

@@ -18,6 +18,7 @@ What it can do and what not:
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import mujoco
@@ -88,8 +89,8 @@ def contact_of(restitution: float, step: float) -> tuple[float, float]:
     return omega**2, 2.0 * ratio * omega
 
 
-def simulate(episode: Episode, steps: int) -> Track:
-    """The episode in `steps` equal steps a base cycle."""
+def simulated(episode: Episode, steps: int) -> Callable[[], Track]:
+    """The episode in `steps` equal steps a base cycle; the model stands, and knows where the bar is at their ends."""
     p = episode.params
     gravity, step, share = float(p["gravity"]), float(p["period"]) / steps, float(p["tangential_loss"])
     stiffness, damping = contact_of(float(p["restitution"]), step)
@@ -101,19 +102,26 @@ def simulate(episode: Episode, steps: int) -> Track:
     data = ENGINE.MjData(model)
     x, z, u, w = episode.place
     track = bar_track(episode.motions, p, steps)
-    data.qpos[:] = *track[0], x, z, 0.0
-    data.qvel[:] = 0.0, 0.0, 0.0, u, w + 0.5 * gravity * step, 0.0
-    begun, ends, touching = [], [], False
-    velocity = data.qvel
-    for number, (vx, vz, turn) in enumerate((np.diff(track, axis=0) / step).tolist()):
-        velocity[0], velocity[1], velocity[2] = vx, vz, turn
-        if not touching:
-            velocity[5] = turn
-        ENGINE.mj_step(model, data)
-        if (data.ncon > 0) != touching:
-            touching = not touching
-            if touching:  # where the ball was at the beginning of this step
-                begun.append((number // steps, number % steps * step, velocity[4] - vz))
-        if (number + 1) % steps == 0:
-            ends.append([data.qpos[3], data.qpos[4], velocity[3], velocity[4] - 0.5 * gravity * step])
-    return Track(np.array(begun).reshape(-1, 3), np.array(ends))
+    place = np.array([*track[0], x, z, 0.0])
+    motion = np.array([0.0, 0.0, 0.0, u, w + 0.5 * gravity * step, 0.0])
+    velocities = (np.diff(track, axis=0) / step).tolist()
+
+    def work() -> Track:
+        ENGINE.mj_resetData(model, data)
+        data.qpos[:], data.qvel[:] = place, motion
+        begun, ends, touching = [], [], False
+        velocity = data.qvel
+        for number, (vx, vz, turn) in enumerate(velocities):
+            velocity[0], velocity[1], velocity[2] = vx, vz, turn
+            if not touching:
+                velocity[5] = turn
+            ENGINE.mj_step(model, data)
+            if (data.ncon > 0) != touching:
+                touching = not touching
+                if touching:  # where the ball was at the beginning of this step
+                    begun.append((number // steps, number % steps * step, velocity[4] - vz))
+            if (number + 1) % steps == 0:
+                ends.append([data.qpos[3], data.qpos[4], velocity[3], velocity[4] - 0.5 * gravity * step])
+        return Track(np.array(begun).reshape(-1, 3), np.array(ends))
+
+    return work

@@ -1,7 +1,7 @@
 """The bouncing ball to more than 30 digits, from the equations of motion alone: shares no formula with the kernels.
 
-Contacts are found by scanning the gap and bracketing, chatter is followed impact by impact until nothing is left of it,
-and what the bar does is differentiated numerically. The scatter's draws are taken as given numbers.
+Contacts are found by scanning the gap and bracketing, and chatter is followed impact by impact until nothing is left of
+it. The scatter's draws are taken as given numbers.
 """
 
 from __future__ import annotations
@@ -13,9 +13,8 @@ import mpmath as mp
 import numpy as np
 
 GRID = 120  # samples of the gap per half cycle: flights here are transversal and many samples long
-NOTHING = mp.mpf(10) ** -26  # m/s: what is left of a chatter when the ball has come to rest
+NOTHING = mp.mpf(10) ** -24  # m/s: what is left of a chatter when the ball has come to rest
 DIGITS = 60
-APART = mp.mpf(10) ** -10  # s, between the samples of a difference quotient: its error is the fourth power of that
 
 Draws = Callable[[int], tuple[Any, Any]]
 
@@ -30,11 +29,14 @@ class Reference:
         self, params: np.void, state: np.void, options: Mapping[str, np.void | None] | None = None, digits: int = DIGITS
     ) -> None:
         """The ball of `state`, a record of the model, over a bar with these parameters and options."""
-        mp.mp.dps = digits
+        self.digits = digits
+        with mp.workdps(digits):
+            self._begin(params, state, options or {})
+
+    def _begin(self, params: np.void, state: np.void, options: Mapping[str, np.void | None]) -> None:
         self.p = {name: mp.mpf(float(params[name])) for name in params.dtype.names or ()}
         self.o = {
-            k: None if o is None else {n: mp.mpf(float(o[n])) for n in o.dtype.names or ()}
-            for k, o in (options or {}).items()
+            k: None if o is None else {n: mp.mpf(float(o[n])) for n in o.dtype.names or ()} for k, o in options.items()
         }
         self.x, self.z, self.u, self.w = (mp.mpf(float(state[k])) for k in ("x", "z", "u", "w"))
         self.spin = mp.mpf(float(state["spin"]))
@@ -48,31 +50,39 @@ class Reference:
         """An option's values, or None."""
         return self.o.get(name)
 
-    def bar(self, new: Sequence[Any], s: Any) -> list[Any]:
-        """(x, tilt, z) of the bar at time s of the cycle."""
+    def bar(self, new: Sequence[Any], s: Any, order: int = 0) -> list[Any]:
+        """(x, tilt, z) of the bar at time s of the cycle, or the first or second derivative of that."""
         w, blend = self.p["omega"], self.p["blend"] * self.p["period"]
         u = min(s / blend, mp.mpf(1))
-        weight = u * u * (3 - 2 * u)
-        m = [a + weight * (b - a) for a, b in zip(self.old, new, strict=True)]
-        ratios = [mp.mpf(1), mp.mpf(1), mp.mpf(2)]
-        elapsed = self.number * self.p["period"] + s
+        weights = [u * u * (3 - 2 * u)]
+        if order > 0:
+            weights += [6 * u * (1 - u) / blend, 6 * (1 - 2 * u) / blend**2 if u < 1 else mp.mpf(0)]
+        # of each phasor the value and the derivatives
+        m = [[k * (b - a) for k in weights] for a, b in zip(self.old, new, strict=True)]
+        for phasor, a in zip(m, self.old, strict=True):
+            phasor[0] += a
+        ratios = [1, 1, 2]
         ramp, free = self.option("ramp"), self.option("frequencies")
         if ramp:
-            rates = [ramp[k] for k in ("x_cos", "x_sin", "tilt_cos", "tilt_sin", "z_cos", "z_sin")]
-            m = [
-                v + elapsed * r / (w * (2 if i > 3 else 1)) ** 2 for i, (v, r) in enumerate(zip(m, rates, strict=True))
-            ]
+            elapsed = [self.number * self.p["period"] + s, mp.mpf(1), mp.mpf(0)]
+            for i, name in enumerate(("x_cos", "x_sin", "tilt_cos", "tilt_sin", "z_cos", "z_sin")):
+                rate = ramp[name] / (w * (2 if i > 3 else 1)) ** 2
+                m[i] = [v + t * rate for v, t in zip(m[i], elapsed, strict=False)]
         if free:
             ratios = [free["x"], free["tilt"], free["z"]]
         # the base cycle is 1 / frequency to the last digit, as in the doubles
-        angles = [2 * mp.pi * r * self.number + r * w * s for r in ratios]
-        return [m[2 * i] * mp.cos(a) + m[2 * i + 1] * mp.sin(a) for i, a in enumerate(angles)]
-
-    def rates(self, new: Sequence[Any], s: Any, order: int = 1) -> list[Any]:
-        """First or second derivative of (x, tilt, z), by differences over five points."""
-        weights = {1: (1, -8, 0, 8, -1), 2: (-1, 16, -30, 16, -1)}[order]
-        places = [self.bar(new, s + k * APART) for k in (-2, -1, 0, 1, 2)]
-        return [mp.fdot(weights, axis) / (12 * APART**order) for axis in zip(*places, strict=True)]
+        turn, place = 2 * mp.pi * self.number + w * s, []
+        turned = {r: mp.cos_sin(r * turn) for r in set(ratios)}
+        for r, p, q in zip(ratios, m[::2], m[1::2], strict=True):
+            # the derivative of p cos + q sin is (p' + r w q) cos + (q' - r w p) sin
+            for _ in range(order):
+                p, q = (
+                    [after + r * w * other for after, other in zip(p[1:], q, strict=False)],
+                    [after - r * w * other for after, other in zip(q[1:], p, strict=False)],
+                )
+            cos, sin = turned[r]
+            place.append(p[0] * cos + q[0] * sin)
+        return place
 
     def curvature(self) -> Any:
         """Of the surface, 1/m."""
@@ -84,7 +94,8 @@ class Reference:
         bx, tilt, bz = self.bar(new, s)
         rx = self.x + self.u * t - bx
         rz = self.z + self.w * t - self.p["gravity"] * t * t / 2 - bz
-        along, across = rx * mp.cos(tilt) - rz * mp.sin(tilt), rx * mp.sin(tilt) + rz * mp.cos(tilt)
+        cos, sin = mp.cos_sin(tilt)
+        along, across = rx * cos - rz * sin, rx * sin + rz * cos
         return across - self.curvature() * along**2 / 2
 
     def cycle(self, motion: Sequence[float], draws: Draws | None = None) -> None:
@@ -92,7 +103,10 @@ class Reference:
 
         `draws(i)`: restitution and deviation of the normal of impact i, in place of the mean ones.
         """
-        new = [mp.mpf(float(v)) for v in motion]
+        with mp.workdps(self.digits):
+            self._cycle([mp.mpf(float(v)) for v in motion], draws)
+
+    def _cycle(self, new: list[Any], draws: Draws | None) -> None:
         s, period, left = mp.mpf(0), self.p["period"], None
         grid = period / 2 / GRID
         while True:
@@ -105,7 +119,9 @@ class Reference:
             a = s if left is None else s + step / 1000
             b = a + step
             while b < period and self.gap(new, b, s) > 0:
-                a, b = b, b + grid
+                # twice as long each time, so that the bracket of a short flight is about as short
+                step = min(grid, 2 * step)
+                a, b = b, b + step
             b = min(b, period)
             if self.gap(new, b, s) > 0:
                 self.fly(period - s)
@@ -114,7 +130,7 @@ class Reference:
                 lambda t, s=s: self.gap(new, t, s),
                 (a, b),
                 solver="anderson",
-                tol=mp.mpf(10) ** (-2 * mp.mp.dps + 10),
+                tol=mp.mpf(10) ** -self.digits,
                 verify=False,
             )
             self.fly(t - s)
@@ -135,7 +151,7 @@ class Reference:
 
     def collide(self, new: Sequence[Any], s: Any, draws: Draws | None) -> Any:
         """One impact; returns the normal velocity with which the ball leaves."""
-        (bx, tilt, bz), (vx, vt, vz) = self.bar(new, s), self.rates(new, s)
+        (bx, tilt, bz), (vx, vt, vz) = self.bar(new, s), self.bar(new, s, 1)
         rx, rz = self.x - bx, self.z - bz
         u, w = self.u - (vx + vt * rz), self.w - (vz - vt * rx)
         restitution, deviation = (self.p["restitution"], 0) if draws is None else draws(len(self.impacts))
@@ -166,7 +182,7 @@ class Reference:
     def force(self, new: Sequence[Any], s: Any) -> Any:
         """Normal force per mass on the ball that sticks, along the normal of a flat bar."""
         tilt = self.bar(new, s)[1]
-        ax, at, az = self.rates(new, s, 2)
+        ax, at, az = self.bar(new, s, 2)
         return ax * mp.sin(tilt) + (az + self.p["gravity"]) * mp.cos(tilt) - self.stuck * at
 
     def carried(self, new: Sequence[Any], s: Any) -> Any:
@@ -177,7 +193,7 @@ class Reference:
             t += step
         release = t < period
         t = mp.findroot(lambda t: self.force(new, t), (t, t + step), solver="anderson") if release else period
-        (bx, tilt, bz), (vx, vt, vz) = self.bar(new, t), self.rates(new, t)
+        (bx, tilt, bz), (vx, vt, vz) = self.bar(new, t), self.bar(new, t, 1)
         rx, rz = self.stuck * mp.cos(tilt), -self.stuck * mp.sin(tilt)
         self.x, self.z, self.u, self.w = bx + rx, bz + rz, vx + vt * rz, vz - vt * rx
         if release:

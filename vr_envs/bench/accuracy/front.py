@@ -58,9 +58,10 @@ def order(points: Sequence[Point], measure: Measure) -> float | None:
 class Reach:
     """What a method costs at the wanted error, CPU seconds per simulated second (None: it is not reached).
 
-    `how`: "interpolated" between two measured points, "measured" (the cost is that of the cheapest point as good: it is
-    the cheapest of all, or so good that it is no matter of order), "extrapolated" from the finest with the measured
-    order and a cost inverse to the step, or "not reached". `order`: the measured one, if any.
+    `how`: "measured", of a method without a setting; "interpolated" between two measured points; "at most" (the cost is
+    that of the cheapest point as good, and a setting that was not tried may do for less: that point is the cheapest of
+    all, or so good that it is no matter of order); "extrapolated" from the finest with the measured order and a cost
+    inverse to the step; or "not reached". `order`: the measured one, if any.
     """
 
     method: Method
@@ -78,7 +79,7 @@ def reach(points: Sequence[Point], measure: Measure, target: float = TARGET) -> 
     method, found, best = points[0].method, order(points, measure), front(points, measure)
     after = next((k for k, p in enumerate(best) if measure.of(p) <= target), None)
     if after is not None and (after == 0 or not measure.resolves(best[after])):
-        return Reach(method, best[after].cost.median, "measured", found)
+        return Reach(method, best[after].cost.median, "at most" if method.setting else "measured", found)
     if after is not None:
         coarse, fine = best[after - 1], best[after]
         share = math.log(measure.of(coarse) / target) / math.log(measure.of(coarse) / measure.of(fine))

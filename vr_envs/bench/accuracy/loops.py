@@ -5,11 +5,14 @@ So the exact kernel is timed as the loops of fixed steps are: without Python bet
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 
 from vr_envs.models.jit import kernel
+
+STEPS = 20_000  # that one call of a compiled loop makes at least, so that the call itself costs nothing
 
 
 def episode_loop(move: Any, look: Any) -> Any:
@@ -25,6 +28,11 @@ def episode_loop(move: Any, look: Any) -> Any:
                 look(states[0], seen[k])
 
     return drive
+
+
+def times_for(steps: int) -> int:
+    """How often one call of a compiled loop goes through an episode of so many steps, for `STEPS` at least."""
+    return math.ceil(STEPS / steps)
 
 
 def driven(

@@ -19,7 +19,7 @@ from typing import Any
 
 from tqdm import tqdm
 
-from vr_envs.bench.timing import Spread, per_call
+from vr_envs.bench.timing import Spread, cpu_seconds, per_call
 
 FAMILIES: tuple[str, ...] = (
     "exact",
@@ -32,11 +32,14 @@ FAMILIES: tuple[str, ...] = (
     "located step",  # a compiled loop of steps that are split where an event is found in them
 )
 """What moves the state."""
+LONG = 0.1  # s, of a call whose time is not repeated more than once
 
 
 @dataclasses.dataclass(frozen=True)
 class Measure:
     """A kind of error: what is wrong by how much of which unit, and how it is taken (a clause for the table's note).
+
+    The unit of a relative error is "".
 
     `rounding`: the error, in the unit, at which the rounding of double precision takes over. Smaller ones are all as
     good, and what is below ten times that tells nothing of a method's order. Nor does an error above `astray`: such a
@@ -48,6 +51,15 @@ class Measure:
     meaning: str
     rounding: float
     astray: float = math.inf
+
+    @property
+    def label(self) -> str:
+        """Name and unit."""
+        return f"{self.name} ({self.unit})" if self.unit else self.name
+
+    def amount(self, error: float) -> str:
+        """An error with its unit."""
+        return f"{error:g} {self.unit}".rstrip()
 
     def of(self, point: Point) -> float:
         """The point's error, not below rounding."""
@@ -127,7 +139,8 @@ class Point:
 def measured(runs: Sequence[Run], repeats: int, seconds: float, progress: bool, title: str) -> list[Point]:
     """Carry out each run, judge what it returns, and time it `repeats` times for about `seconds` each.
 
-    The runs of an episode are timed in turn within a repeat. Compilation is not timed.
+    The runs of an episode are timed in turn within a repeat; those of which one call takes `seconds` by themselves, one
+    call a repeat, and two repeats if it takes `LONG`. Compilation is not timed.
 
     Raises:
         ValueError: a judge gave an error that is negative or not a number.
@@ -136,16 +149,24 @@ def measured(runs: Sequence[Run], repeats: int, seconds: float, progress: bool, 
     with tqdm(total=len(runs), desc=title, unit="run", leave=False, disable=None if progress else True) as bar:
         for episode in dict.fromkeys(run.episode for run in runs):
             group = [k for k, run in enumerate(runs) if run.episode == episode]
-            errors = {}
+            errors: dict[int, dict[str, float]] = {}
+            times: dict[int, list[float]] = {}
             for k in group:
                 errors[k] = {name: float(value) for name, value in runs[k].judge(runs[k].work()).items()}
                 bar.update(0.5)
                 for name, value in errors[k].items():
                     if math.isnan(value) or value < 0.0:
                         raise ValueError(f"{runs[k].method.name}, {episode}: error of the {name} is {value}")
-            times = per_call([runs[k].work for k in group], repeats, seconds)
+                times[k] = [cpu_seconds(runs[k].work)]
+            long = [k for k in group if times[k][0] >= seconds]
+            for repeat in range(1, repeats):
+                for k in long:
+                    if repeat == 1 or times[k][0] < LONG:
+                        times[k].append(cpu_seconds(runs[k].work))
+            short = [k for k in group if times[k][0] < seconds]
+            times |= zip(short, per_call([runs[k].work for k in short], repeats, seconds), strict=True)
             bar.update(0.5 * len(group))
-            for k, spent in zip(group, times, strict=True):
-                cost = Spread.of(spent).scaled(1.0 / runs[k].simulated)
+            for k in group:
+                cost = Spread.of(times[k]).scaled(1.0 / runs[k].simulated)
                 points[k] = Point(runs[k].method, episode, runs[k].value, cost, errors[k])
     return [points[k] for k in range(len(runs))]

@@ -29,7 +29,7 @@ TRAVEL = Measure("travel", "m", "of the spring, and with a tyre its deflection: 
 VELOCITY = Measure("velocity", "m/s", "of the mass: largest over the ticks", 1e-14)
 WEIGHTED = Measure("weighted acceleration", "m/s^2", "r.m.s. over the episode in the band of Wk (ISO 2631-1)", 1e-13)
 OFF = Measure("time off the ground", "s", "largest over the ticks: what lift-offs and landings are wrong by", 5e-15)
-ENERGY = Measure("energy", "relative", "drift: largest over the ticks", 2e-14)
+ENERGY = Measure("relative energy drift", "", "largest over the ticks", 2e-14)
 MEASURES = (TRAVEL, VELOCITY, WEIGHTED, OFF, ENERGY)
 
 

@@ -73,11 +73,10 @@ def _moved(y, h, k):
 
 
 @kernel
-def euler(y, h, grounds, climb, contacts, located, gamma, w2, params, tyre, stop):
+def euler(y, h, ground, climb, gamma, w2, params, tyre, stop):
     """One step of the semi-implicit Euler rule: the forces give new velocities, and these move body and hub."""
-    if not located:
-        contacts = contacts_of(y, grounds[0], params, tyre, stop)
-    k = slopes(y, grounds[0], climb, contacts, gamma, w2, params, tyre, stop)
+    contacts = contacts_of(y, ground, params, tyre, stop)
+    k = slopes(y, ground, climb, contacts, gamma, w2, params, tyre, stop)
     velocity, hub_velocity = y[1] + h * k[1], y[3] + h * k[3]
     return y[0] + h * velocity, velocity, y[2] + h * hub_velocity, hub_velocity
 
@@ -209,14 +208,16 @@ def advance_in_steps(state, action, params, undulation, road, tyre, stop, order,
                 state.airborne_time += off
                 ground = begin + climb * h * (k + 1)
                 continue
-            middle, end = begin + climb * h * (k + 0.5), begin + climb * h * (k + 1)
+            end = begin + climb * h * (k + 1)
             if undulation is not None:
-                middle = begin + undulation_ahead(state, speed * h * (k + 0.5), undulation) - base
                 end = begin + undulation_ahead(state, speed * h * (k + 1), undulation) - base
             before = y[2] - ground - limit
             if order == 1:
-                y = euler(y, h, (ground, middle, end), climb, contacts, False, gamma, w2, params, tyre, stop)
+                y = euler(y, h, ground, climb, gamma, w2, params, tyre, stop)
             else:
+                middle = begin + climb * h * (k + 0.5)
+                if undulation is not None:
+                    middle = begin + undulation_ahead(state, speed * h * (k + 0.5), undulation) - base
                 y = runge_kutta(y, h, (ground, middle, end), climb, contacts, False, gamma, w2, params, tyre, stop)
             ground = end
             if tyre is not None:

@@ -9,6 +9,7 @@ contacts, which are soft constraints, are not used: they are no linear springs.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import mujoco
@@ -56,35 +57,43 @@ def model_of(episode: Episode, integrator: str) -> Any:
     return model
 
 
-def simulated(episode: Episode, integrator: str, step: float) -> np.ndarray:
-    """Travel, velocity and deflection at every tick, (ticks, 3), in equal steps of about `step` [s]."""
+def simulated(episode: Episode, integrator: str, step: float) -> Callable[[], np.ndarray]:
+    """Work that drives the episode in equal steps of about `step` [s] and returns what is seen.
+
+    That is travel, velocity and deflection at every tick, (ticks, 3). The model stands, and what it is given while it
+    runs is known beforehand.
+    """
     model, relative, mass = model_of(episode, integrator), episode.params["relative"], episode.params["mass"]
     data: Any = mujoco.MjData(model)  # type: ignore[attr-defined]
-    rows = np.zeros((len(episode.actions), 3))
-    names = ("body", "ground") if episode.records["tyre"] is None else ("body", "ground", "hub")
-    place, spring = {name: model.joint(name).id for name in names}, model.tendon("spring").id
+    joints = ("body", "ground") if episode.records["tyre"] is None else ("body", "ground", "hub")
+    place, spring = {name: model.joint(name).id for name in joints}, model.tendon("spring").id
+    body, road, hub = place["body"], place["ground"], place.get("hub", place["ground"])
     steps = max(1, round(TICK / step))
     model.opt.timestep = TICK / steps
     # the ground's rate is even on a road, so that it need not be told at every step
     stints, each = (steps, 1) if episode.knots is None else (1, steps)
-    for piece in episode.pieces():
-        if piece.begin == 0.0:
-            y = episode.first(episode.ground(piece, 0.0))
-            for name, at in {"body": 0, "hub": 2}.items():
-                if name in place:
-                    data.qpos[place[name]], data.qvel[place[name]] = y[at], y[at + 1]
-        model.tendon_stiffness[spring] = mass * piece.w2
-        model.tendon_lengthspring[spring] = G / piece.w2  # levelled: it carries the body at a travel of 0
-        model.tendon_damping[spring] = mass * piece.gamma * relative
-        model.dof_damping[place["body"]] = mass * piece.gamma * (1.0 - relative)
-        for tick in piece.ticks:
-            times = TICK * (tick + np.arange(stints + 1) / stints)
-            heights = [episode.ground(piece, time) for time in times]
-            for below, above in zip(heights, heights[1:], strict=False):
-                data.qpos[place["ground"]], data.qvel[place["ground"]] = below, (above - below) * stints / TICK
-                mujoco.mj_step(model, data, each)  # type: ignore[attr-defined]
-            hub = data.qpos[place.get("hub", place["ground"])]
-            rows[tick] = episode.seen(
-                np.array([data.qpos[place["body"]], data.qvel[place["body"]], hub, 0.0]), heights[-1]
-            )
-    return rows
+    pieces = list(episode.pieces())
+    told = []  # of each piece the ticks in it, and in each the ground's heights
+    for piece in pieces:
+        times = {tick: TICK * (tick + np.arange(stints + 1) / stints) for tick in piece.ticks.tolist()}
+        told.append([(tick, [float(episode.ground(piece, t)) for t in some]) for tick, some in times.items()])
+    first = episode.first(told[0][0][1][0])
+
+    def work() -> np.ndarray:
+        mujoco.mj_resetData(model, data)  # type: ignore[attr-defined]
+        rows, qpos, qvel = np.zeros((len(episode.actions), 3)), data.qpos, data.qvel
+        for at, joint in ((2, hub), (0, body)):  # the ground, where there is no hub, is put in its place below
+            qpos[joint], qvel[joint] = first[at], first[at + 1]
+        for piece, ticks in zip(pieces, told, strict=True):
+            model.tendon_stiffness[spring] = mass * piece.w2
+            model.tendon_lengthspring[spring] = G / piece.w2  # levelled: it carries the body at a travel of 0
+            model.tendon_damping[spring] = mass * piece.gamma * relative
+            model.dof_damping[body] = mass * piece.gamma * (1.0 - relative)
+            for tick, heights in ticks:
+                for below, above in zip(heights, heights[1:], strict=False):
+                    qpos[road], qvel[road] = below, (above - below) * stints / TICK
+                    mujoco.mj_step(model, data, each)  # type: ignore[attr-defined]
+                rows[tick] = episode.seen(np.array([qpos[body], qvel[body], qpos[hub], 0.0]), heights[-1])
+        return rows
+
+    return work

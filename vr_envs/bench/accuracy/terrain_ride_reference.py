@@ -62,6 +62,10 @@ class Ride:
 
     def __init__(self, state: Any, params: Any, options: Mapping[str, Any], knots: np.ndarray | None) -> None:
         """`params` and `options` (name -> instance) of the model; `knots` [m]: heights of the road, (n,)."""
+        with mp.workdps(DIGITS):
+            self._begin(state, params, options, knots)
+
+    def _begin(self, state: Any, params: Any, options: Mapping[str, Any], knots: np.ndarray | None) -> None:
         self.params, self.tyre, self.stop = params, options.get("tyre"), options.get("stop")
         self.knots, self.spacing = knots, mpf(options["road"].knot_spacing) if knots is not None else mpf(1)
         self.waves = []
