@@ -33,6 +33,11 @@ class Spread(NamedTuple):
         return f"{middle} ({low} to {high})"
 
 
+def cpu_seconds(work: Callable[[], object]) -> float:
+    """CPU seconds of this process, all threads, that one call takes."""
+    return _many(work, 1)
+
+
 def calls_for(work: Callable[[], object], seconds: float, warm_up: int = WARM_UP, whole: int = 1) -> int:
     """How many calls take about `seconds` of CPU time, at least one, by the later half of `warm_up` calls, two or more.
 

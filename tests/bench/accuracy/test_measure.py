@@ -32,12 +32,12 @@ def test_command_writes_report_and_picture(tmp_path, monkeypatch, capsys):
     monkeypatch.setitem(measure.SYSTEMS, "ball_on_bar", toy)
     main(["bench", "accuracy", "--quick", "--system", "ball_on_bar", "--out", str(tmp_path)])
     assert "exact engine is on the front in the one pair" in (out := capsys.readouterr().out)
-    assert "at equal error" in out and "every point" not in out
+    assert "at equal error" not in out and "every point" not in out
     found = json.loads((tmp_path / "accuracy.json").read_text())["numbers"]["ball_on_bar"]
     assert found["points"][1]["errors"] == {TIME.name: 0.1} and found["points"][1]["step"] == 0.1
     assert (tmp_path / "accuracy-ball_on_bar.png").stat().st_size > 1000
     written = (tmp_path / "accuracy.md").read_text()
-    assert "![ball_on_bar](accuracy-ball_on_bar.png)" in written and "every point" in written
+    assert "![ball_on_bar](accuracy-ball_on_bar.png)" in written and "at equal error" in written and "every point" in written
 
 
 def test_unknown_system_is_refused():

@@ -223,7 +223,7 @@ def target_table(system: System) -> Table:
         "most: a setting that was not tried may do for less. "
         + " ".join(f"{m.name.capitalize()}: {m.meaning}." for m in system.measures)
     )
-    return Table(f"{system.title}: at equal error", head, rows, left=(0, 1, 2, 6), note=note)
+    return Table(f"{system.title}: at equal error", head, rows, left=(0, 1, 2, 6), note=note, detail=True)
 
 
 def points_table(system: System) -> Table:

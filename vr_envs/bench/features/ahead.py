@@ -1,15 +1,13 @@
-"""Compilation ahead of the measurements, by as many processes as there are cores; what they compile is in the cache."""
+"""The kernels of all scenes that are measured, compiled before the measurements."""
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 from typing import NamedTuple
 
 from tqdm import tqdm
 
+from vr_envs.bench.ahead import side_by_side
 from vr_envs.bench.features.cases import Changes, cases, plain
 from vr_envs.bench.features.costs import one_by_one
 from vr_envs.bench.features.impacts import scenes
@@ -60,13 +58,8 @@ def _cached(world: World) -> bool:
 def compile_ahead(env_ids: Sequence[str], progress: bool = False) -> None:
     """Load everything for some ids of this suite; from the first scene on that is not in the cache, side by side."""
     works = list({repr(work): work for env_id in env_ids for work in works_of(env_id)}.values())
-    with tqdm(works, "kernels", leave=False, disable=not progress) as shown:
-        done = 0
-        while done < len(works):
-            shown.update()
-            done += 1
-            if not compile_one(works[done - 1]):
-                break
-        with ProcessPoolExecutor(os.cpu_count(), get_context("spawn")) as pool:
-            for _ in pool.map(compile_one, works[done:]):
-                shown.update()
+    left = iter(works)
+    for work in tqdm(left, "kernels", len(works), leave=False, disable=not progress):
+        if not compile_one(work):
+            break
+    side_by_side(compile_one, list(left), progress)

@@ -55,7 +55,5 @@ def cases(task: Task) -> Iterator[Case]:
     """One case for every option of a task."""
     for option in task.options:
         key = (task.name, option)
-        without = {**plain(task), **OVER.get(key, {}), **({} if key in OVER else {option: None})}
-        if (task.name, option) == ("terrain_ride", "road"):
-            without[option] = None
+        without = {**plain(task), **OVER.get(key, {option: None})}
         yield Case(option, without, {**without, option: SETTINGS.get(key, True)})

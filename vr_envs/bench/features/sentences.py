@@ -31,8 +31,8 @@ def lockstep(costs: Mapping[str, Cost], alone: Mapping[str, Sequence[str]]) -> s
     parts = [f"{1.0 / cost.ratio.median:.1f} times as fast ({system})" for system, cost in costs.items()]
     without = [f"{', '.join(alone[system])} ({system})" for system in costs if alone[system]]
     return (
-        f"In lockstep the rows of a default scene move {', '.join(parts)}, to the same bytes; not so with the options "
-        f"{'; '.join(without)}."
+        f"In lockstep the rows of a default scene move {', '.join(parts)}, to the same bytes"
+        f"{'; not so with the options ' if without else ''}{'; '.join(without)}."
     )
 
 
@@ -45,10 +45,15 @@ def off(costs: PerSystem[Cost]) -> str:
     longer = [100.0 * (own / other - 1.0) for _, own, _, other in counts]
     ratios = [cost.ratio.median for cost in every]
     sizes = [other for _, _, other, _ in counts]
-    return (
+    verdict = (
         f"An option that is off leaves nothing that calculates in the compiled code of {len(same)} of {len(every)} "
         "scenes: as many floating-point operations, loads and calls of functions of each kind as in kernels that never "
-        f"had it. All in all LLVM's optimised code differs by {min(more):+d} to {max(more):+d} instructions of "
+        "had it"
+    )
+    if others := [cost.name for cost in every if not same_calculation(cost)]:
+        verdict += f"; that is not so in {', '.join(others)}"
+    return (
+        f"{verdict}. All in all LLVM's optimised code differs by {min(more):+d} to {max(more):+d} instructions of "
         f"{min(sizes)} to {max(sizes)}, as calls with fewer arguments are inlined otherwise; machine code, which "
         f"passes null pointers on, is {min(longer):.1f} to {max(longer):.1f} % longer; time is {min(ratios):.2f} to "
         f"{max(ratios):.2f} of theirs."
@@ -58,9 +63,11 @@ def off(costs: PerSystem[Cost]) -> str:
 def flight(found: Sequence[Flight]) -> str:
     """How the time depends on the height of a flight."""
     low, high = found[0], found[-1]
+    grows = max(one.exact.median for one in found) > 2.0 * low.exact.median
+    begin = "A flight takes longer the higher it is" if grows else "A flight is jumped, however long"
     times, samples = low.exact.median / high.exact.median, high.sampled.median / high.exact.median
     return (
-        f"A flight is jumped, however long: a ball {high.height:g} m high costs {high.exact.median:.3g} us per "
+        f"{begin}: a ball {high.height:g} m high costs {high.exact.median:.3g} us per "
         f"simulated second, {times:.2g} times less than one at {1e3 * low.height:g} mm, and {samples:.3g} times less "
         "than looking for contacts by samples."
     )
@@ -131,5 +138,7 @@ def cold(found: Sequence[Cold]) -> str:
     slow = [c.env_id for c in found if c.cpu >= COMPILED]
     silent = [c.env_id for c in found if c.wall > MESSAGE and not c.said]
     verdict = f"of which {', '.join(slow)} not below {COMPILED:g} s" if slow else f"all below {COMPILED:g} s"
+    long = any(c.wall > MESSAGE for c in found)
     words = f"without a word from {', '.join(silent)}" if silent else f"with a word after {MESSAGE:g} s"
+    words = words if long else f"none longer than {MESSAGE:g} s"
     return f"The first compilation of a default scene takes {', '.join(parts)} of CPU time, {verdict}, {words}."

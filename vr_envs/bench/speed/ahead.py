@@ -1,14 +1,10 @@
-"""Compilation before the measurements, by as many processes as there are cores; what they compile is in the cache."""
+"""The kernels of the cases, compiled before the measurements."""
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
-from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
-from multiprocessing import get_context
 
-from tqdm import tqdm
-
+from vr_envs.bench.ahead import side_by_side
 from vr_envs.bench.features.ahead import Work, compile_one
 from vr_envs.bench.speed.contestants import Case
 from vr_envs.envs.registry import ids, task_of
@@ -28,15 +24,4 @@ def works_of(cases: Sequence[Case]) -> list[Work]:
 
 def compile_ahead(cases: Sequence[Case], progress: bool = False) -> None:
     """Have the kernels of all cases of this suite in the cache."""
-    works = works_of([case for case in cases if case.env_id in ids()])
-    with (
-        tqdm(total=len(works), desc="kernels", leave=False, disable=None if progress else True) as bar,
-        ProcessPoolExecutor(os.cpu_count(), get_context("spawn")) as pool,
-    ):
-        waiting = {pool.submit(compile_one, work) for work in works}
-        while waiting:
-            done, waiting = wait(waiting, timeout=1.0, return_when=FIRST_COMPLETED)
-            for future in done:
-                future.result()
-            bar.update(len(done))
-            bar.refresh()
+    side_by_side(compile_one, works_of([case for case in cases if case.env_id in ids()]), progress)

@@ -8,9 +8,10 @@ from typing import Any
 
 from tqdm import tqdm
 
+from vr_envs.bench.ahead import side_by_side
 from vr_envs.bench.report import Report, Table
 from vr_envs.bench.stress.picture import passages, step_times
-from vr_envs.bench.stress.trial import Outcome, Trial, attempt, share_below, slowest_step
+from vr_envs.bench.stress.trial import Outcome, Trial, attempt, run_cases, share_below, slowest_step
 from vr_envs.bench.stress.trials import TRIALS
 
 QUICK = 0.1  # part of the cases
@@ -47,8 +48,15 @@ def tried(trial: Trial, first: int, cases: int, progress: bool) -> Finding:
     return Finding(trial, cases, outcome, slowest, seed, seconds)
 
 
+def first_case(name: str) -> None:
+    """Run the first case of a trial, whatever it finds, for what it compiles."""
+    run_cases(TRIALS[name], 0, 1)
+
+
 def all_tried(names: Sequence[str], part: float, seed: int | None, progress: bool) -> list[Finding]:
     """Try the trials of these names, or of one the case `seed` alone; `part` is that of the usual number of cases."""
+    if len(names) > 1:
+        side_by_side(first_case, names, progress)
     found = []
     for name in tqdm(names, desc="trials", leave=False, disable=None if progress else True):
         trial = TRIALS[name]

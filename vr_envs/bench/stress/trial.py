@@ -141,27 +141,27 @@ def slowest_step(trial: Trial, outcome: Outcome) -> tuple[float, int]:
     return max(found, default=(0.0, -1))
 
 
-def _run(trial: Trial, first: int, number: int) -> Outcome:
+def run_cases(trial: Trial, first: int, number: int) -> Outcome:
     """Run some cases; of a case that raises, the error is a failure like others."""
     try:
         return trial.run(first, number, UNTRACED)
     except Exception as error:  # whatever it is, the table is to tell it with its seed
         if number == 1:
             return Outcome(failures=[Failure(first, f"{type(error).__name__}: {error}")])
-    outcome, half = _run(trial, first, number // 2), number // 2
-    outcome.add(_run(trial, first + half, number - half))
+    outcome, half = run_cases(trial, first, number // 2), number // 2
+    outcome.add(run_cases(trial, first + half, number - half))
     return outcome
 
 
 def attempt(trial: Trial, first: int, cases: int, progress: bool = False) -> tuple[Outcome, float]:
     """Run a trial's cases from number `first` on, after a case that compiles; returns also its CPU seconds."""
-    _run(trial, first, 1)
+    run_cases(trial, first, 1)
     outcome, done, chunk, begun = Outcome(), 0, 1, time.process_time()
     with tqdm(total=cases, desc=trial.name, unit="case", leave=False, disable=None if progress else True) as bar:
         while done < cases:
             chunk = min(chunk, cases - done)
             begin = time.perf_counter()
-            outcome.add(_run(trial, first + done, chunk))
+            outcome.add(run_cases(trial, first + done, chunk))
             done += chunk
             bar.update(chunk)
             chunk = max(1, round(chunk * min(4.0, _CHUNK / max(time.perf_counter() - begin, 1e-6))))
