@@ -12,6 +12,7 @@ from gymnasium.utils import seeding
 from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 
+from vr_envs.envs.rows import BEGINS, RUNS
 from vr_envs.envs.task import Task
 from vr_envs.envs.world import NO_LIMIT, World, check_options, episode_key, scenario_keys
 
@@ -165,7 +166,7 @@ class BatchEnv(gym.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
                     f"env {int(np.argmax(self._done))} has ended; reset it with options={{'reset_mask': ...}}"
                 )
             if self.autoreset_mode is AutoresetMode.NEXT_STEP:
-                live, stale = ~self._done, self._done
+                live, stale = np.where(self._done, np.uint8(BEGINS), np.uint8(RUNS)), self._done
         workspace = self.world.workspace(self._limit)
         workspace.take(actions, (self.num_envs, self.world.widths[1]))
         obs, rewards, terminated, truncated = workspace.step(live)

@@ -10,11 +10,16 @@ import numpy as np
 from vr_envs.envs.scene import Scene
 from vr_envs.envs.task import Task
 from vr_envs.models.jit import kernel
-from vr_envs.models.lane_records import blank_block, block_at, copy_lanes, lane, record_at
+from vr_envs.models.lane_records import block_at, lane, record_at
 from vr_envs.models.lane_rows import blank_rows, gathered, load_lanes, scatter, store_lanes
-from vr_envs.models.lanes import WIDTH, all_lanes, any_lane, negate, where
+from vr_envs.models.lanes import WIDTH, all_lanes, any_lane, where
 
 LOCKSTEP_FROM = 4 * WIDTH
+STAYS, RUNS, BEGINS = range(3)
+"""What a row does in a step: its record stays as it is; it moves; it is to be started afresh, whatever becomes of it.
+
+False and True, as they are numbers, are the first two.
+"""
 
 
 class Rows(NamedTuple):
@@ -22,10 +27,10 @@ class Rows(NamedTuple):
 
     `states` are records one after another, or blocks of them (`vr_envs.models.lane_records`).
     `reset(states, rows, keys, obs, params, options)`: start afresh the given rows from the given keys.
-    `step(states, actions, live, limit, obs, rewards, terminated, truncated, params, options) -> int`: move the
-    live rows by one control interval; 1 if an episode has ended, else 0. Of the others the record stays as it is, and
-    what is written to `obs` is arbitrary. With a non-finite action, -1 - i if row i is the first live one that has one,
-    and then no record has changed. Actions are clipped to [-1, 1] in place; `actions` and `obs` are given as
+    `step(states, actions, live, limit, obs, rewards, terminated, truncated, params, options) -> int`: move the rows
+    whose entry in `live` is `RUNS` by one control interval; 1 if an episode has ended, else 0. What is written to `obs`
+    of the others is arbitrary. With a non-finite action, -1 - i if row i is the first running one that has one, and
+    then no record has changed. Actions are clipped to [-1, 1] in place; `actions` and `obs` are given as
     `row_records`.
     `observe(states, obs, params, options)`: observations of all rows.
     """
@@ -51,14 +56,14 @@ def row_records(array: np.ndarray) -> np.ndarray:
 
 @kernel
 def admit(actions: np.ndarray, live: np.ndarray) -> int:
-    """Clip the actions of live rows to [-1, 1] in place; return the first of them with a non-finite entry, or -1.
+    """Clip the actions of rows that run to [-1, 1] in place; return the first with a non-finite entry, or -1.
 
     The other rows' actions, whatever they are, become 0: they may be calculated with, in a block.
     """
     for i in range(actions.shape[0]):
         row = actions[i].row
         for j in range(row.shape[0]):
-            if not live[i]:
+            if live[i] != RUNS:
                 row[j] = 0.0
             elif not np.isfinite(row[j]):
                 return i
@@ -92,7 +97,7 @@ def _build(start: Any, advance: Any, outcome: Any, observe: Any, ready: Any, adv
         if bad >= 0:
             return -1 - bad
         for i in range(rewards.shape[0]):
-            if live[i]:
+            if live[i] == RUNS:
                 state = record_at(states, i)
                 rewards[i], terminated[i] = step_row(state, actions[i].row, obs[i].row, params, options)
                 truncated[i] = state.steps >= limit
@@ -107,28 +112,25 @@ def _build(start: Any, advance: Any, outcome: Any, observe: Any, ready: Any, adv
         n = rewards.shape[0]
         for b in range(states.shape[0]):
             block, first, last = block_at(states, b), b * WIDTH, min(n, (b + 1) * WIDTH)
-            if last - first == WIDTH and all_lanes(ready(block, params, *options)):
-                alive, before = load_lanes(live, first), blank_block(block)
-                if not any_lane(alive):
-                    continue
-                if not all_lanes(alive):
-                    copy_lanes(block, before, negate(alive))
+            together = last - first == WIDTH
+            for i in range(first, last):
+                together = together and live[i] != STAYS
+            if together and all_lanes(ready(block, params, *options)):
+                runs = load_lanes(live, first)
                 action, row = gathered(actions, first), blank_rows(obs)
                 advance_block(block, action, params, *options)
                 block.steps += 1
                 reward, failed = outcome(block, action, params, *options)
-                failed, late = failed & alive, (block.steps >= limit) & alive
-                store_lanes(rewards, first, where(alive, reward, 0.0))
+                failed, late = failed & runs, (block.steps >= limit) & runs
+                store_lanes(rewards, first, where(runs, reward, 0.0))
                 store_lanes(terminated, first, failed)
                 store_lanes(truncated, first, late)
                 ended = ended or any_lane(failed | late)
                 observe(block, row, params, *options)
                 scatter(row, obs, first)
-                if not all_lanes(alive):
-                    copy_lanes(before, block, negate(alive))
             else:
                 for i in range(first, last):
-                    if live[i]:
+                    if live[i] == RUNS:
                         state = lane(block, i - first)
                         rewards[i], terminated[i] = step_row(state, actions[i].row, obs[i].row, params, options)
                         truncated[i] = state.steps >= limit

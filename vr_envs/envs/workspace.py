@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from vr_envs.envs.rows import row_records
+from vr_envs.envs.rows import RUNS, row_records
 from vr_envs.models.jit import bound
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ class Workspace:
         self.limit = limit
         self.actions = np.zeros((n, width))
         self._acts = row_records(self.actions)
-        self._live = np.ones(n, np.bool_)
+        self._live = np.full(n, RUNS, np.uint8)
         self._all_live = True
         self.ended = False  # whether the last step ended an episode
         self._slots: list[_Slot] = []
@@ -78,7 +78,8 @@ class Workspace:
     def step(self, live: np.ndarray | None = None) -> Results:
         """Move the rows that are `live`, or all, under `actions`, which are clipped.
 
-        The others have zeros for rewards and ends; their observations are arbitrary.
+        `live` says what each row does, as in `vr_envs.envs.rows`. Rows that do not run have zeros for rewards and ends;
+        their observations are arbitrary.
 
         Raises:
             ValueError: an action is not finite; no record has changed.
@@ -109,7 +110,7 @@ class Workspace:
             self.world.simulate(self._acts, self._live)
         code = slot.step()
         if not self._all_live:
-            self._live.fill(True)
+            self._live.fill(RUNS)
             self._all_live = True
         if code < 0:
             row = -1 - code

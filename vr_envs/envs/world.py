@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from gymnasium.spaces import Box
 
-from vr_envs.envs.rows import admit, in_lockstep, rows_of
+from vr_envs.envs.rows import RUNS, admit, in_lockstep, rows_of
 from vr_envs.envs.scene import Scene, resolve
 from vr_envs.envs.storage import Blocks, Plain, Storage
 from vr_envs.envs.task import Channel, Task
@@ -96,7 +96,7 @@ class World:
         return actions.reshape(self.count, self.widths[1])
 
     def step(self, actions: np.ndarray, live: np.ndarray, limit: int) -> Results:
-        """Move the live rows; returns fresh (observations, rewards, terminated, truncated)."""
+        """Move the rows that are `live` (see `vr_envs.envs.rows`); returns fresh results."""
         workspace = self.workspace(limit)
         workspace.actions[...] = actions
         return workspace.step(live)
@@ -111,7 +111,7 @@ class World:
     def simulate(self, acts: np.ndarray, live: np.ndarray) -> None:
         """Let the simulator move the live rows, unless an action is not finite; `acts` are `row_records`."""
         if admit(acts, live) < 0:
-            for i in np.flatnonzero(live):
+            for i in np.flatnonzero(live == RUNS):
                 self.simulator.advance(self.storage.array[i], acts[i]["row"])
 
     def reset(self, rows: np.ndarray, keys: np.ndarray, obs: np.ndarray) -> None:

@@ -24,7 +24,6 @@ from vr_envs.models.jit import intrinsic
 from vr_envs.models.lanes import INT, WIDTH, Lanes, common_type
 
 _I8, _I32 = ir.IntType(8), ir.IntType(32)
-_WORDS = ir.VectorType(ir.IntType(64), WIDTH)  # a number of each record of a block
 _register: Any = infer_global  # Numba does not say what it returns
 _FIELD = "lanes"
 
@@ -288,30 +287,3 @@ def lane(typingctx, x, k):  # type: ignore[no-untyped-def]
         return args[0]
 
     return plain(types.unliteral(x), types.intp), build
-
-
-@intrinsic
-def blank_block(typingctx, block):  # type: ignore[no-untyped-def]
-    """Room for a block like this one, on the stack; what stands in it is arbitrary."""
-
-    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        scratch = cgutils.alloca_once(builder, ir.ArrayType(_WORDS, block.record.size // 8))
-        scratch.align = 64
-        return builder.bitcast(scratch, _I8.as_pointer())
-
-    return block(block), build
-
-
-@intrinsic
-def copy_lanes(typingctx, source, target, mask):  # type: ignore[no-untyped-def]
-    """Write the records of a block for which `mask` holds over those of another."""
-
-    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        ours, theirs = (builder.bitcast(pointer, _WORDS.as_pointer()) for pointer in args[:2])
-        with cgutils.for_range(builder, ir.Constant(ir.IntType(64), source.record.size // 8)) as loop:
-            place = builder.gep(theirs, [loop.index])
-            given, present = builder.load(builder.gep(ours, [loop.index]), align=8), builder.load(place, align=8)
-            builder.store(builder.select(args[2], given, present), place, align=8)
-        return context.get_dummy_value()
-
-    return types.void(source, target, mask), build

@@ -37,7 +37,11 @@ def test_command_writes_report_and_picture(tmp_path, monkeypatch, capsys):
     assert found["points"][1]["errors"] == {TIME.name: 0.1} and found["points"][1]["step"] == 0.1
     assert (tmp_path / "accuracy-ball_on_bar.png").stat().st_size > 1000
     written = (tmp_path / "accuracy.md").read_text()
-    assert "![ball_on_bar](accuracy-ball_on_bar.png)" in written and "at equal error" in written and "every point" in written
+    assert (
+        "![ball_on_bar](accuracy-ball_on_bar.png)" in written
+        and "at equal error" in written
+        and "every point" in written
+    )
 
 
 def test_unknown_system_is_refused():

@@ -84,7 +84,7 @@ def rest(found: Sequence[Rest]) -> str:
 
 
 def finished(found: PerSystem[Finished], rows: int) -> str:
-    """Whether finished rows are stepped."""
+    """What finished rows cost."""
     shares = [some[1:] for some in found.values()]
     parts = [
         f"{', '.join(f'{some[k].ratio.median:.2f} ({system})' for system, some in zip(found, shares, strict=True))} "
@@ -92,7 +92,7 @@ def finished(found: PerSystem[Finished], rows: int) -> str:
         for k in reversed(range(len(shares[0])))
     ]
     text = (
-        "Finished rows are not stepped, and their records do not change. Over the time of a step in which all of "
+        "The records of finished rows do not change. Over the time of a step in which all of "
         f"{rows} rows run, one takes {' and '.join(parts)} of them, evenly spread"
     )
     slower = [system for system, some in zip(found, shares, strict=True) if any(f.ratio.median > 1.0 for f in some)]
