@@ -47,6 +47,7 @@ def _launch(case, times, trace, course, piece, limits, s, end, x, z, normal, tan
     note_time(case, times, trace, thread_time(scratch) - begin)
     case.at = case.count
     case.count += 1
+    case.judged += 1
     if ds == UNDECIDED:
         case.code = _UNDECIDED
         return end

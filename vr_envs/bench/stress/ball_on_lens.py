@@ -139,6 +139,7 @@ def walk(case, times, trace, states, params, spin, friction, log, scratch):
         else:
             case.code, deep = _judge(states[1], ball, params, log)
             case.worst = max(case.worst, deep)
+            case.judged += fresh
         if case.code != 0 or ball.lost or ball.fault:
             return
 

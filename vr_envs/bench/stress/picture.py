@@ -63,7 +63,7 @@ def passages(findings: Sequence[Finding]) -> Figure | None:
         return None
     figure, axes = _frame(deep, "Deepest passage of the ball through bar or lens", "m")
     for y, finding in enumerate(deep):
-        count = f"{finding.outcome.count:.1e} {finding.trial.unit}"
+        count = f"{finding.outcome.judged:.1e} {finding.trial.unit} searched"
         worst = max(finding.outcome.worst, 1e-21)
         axes.plot([1e-21, worst], [y, y], color=_paint(PALE_BLUE), lw=5, zorder=1)
         axes.plot(worst, y, "o", color=_paint(RED if finding.outcome.failures else BLUE), ms=6, zorder=3)
