@@ -1,4 +1,4 @@
-"""Compilation before the measurements, by as many processes as there are cores; what they compile is in the cache."""
+"""Works in as many processes as there are cores: compilation before the measurements, and what takes long."""
 
 from __future__ import annotations
 
@@ -11,18 +11,23 @@ from typing import TypeVar
 from tqdm import tqdm
 
 T = TypeVar("T")
+R = TypeVar("R")
 
 
-def side_by_side(function: Callable[[T], object], works: Sequence[T], progress: bool = False) -> None:
-    """Call a module's function with each of the works, in processes of their own."""
+def side_by_side(
+    function: Callable[[T], R], works: Sequence[T], progress: bool = False, what: str = "kernels"
+) -> list[R]:
+    """What a module's function returns for each of the works, called in processes of their own."""
     with (
-        tqdm(total=len(works), desc="kernels", leave=False, disable=None if progress else True) as bar,
+        tqdm(total=len(works), desc=what, leave=False, disable=None if progress else True) as bar,
         ProcessPoolExecutor(os.cpu_count(), get_context("spawn")) as pool,
     ):
-        waiting = {pool.submit(function, work) for work in works}
+        futures = [pool.submit(function, work) for work in works]
+        waiting = set(futures)
         while waiting:
             done, waiting = wait(waiting, timeout=1.0, return_when=FIRST_COMPLETED)
             for future in done:
                 future.result()
             bar.update(len(done))
             bar.refresh()
+        return [future.result() for future in futures]

@@ -50,7 +50,7 @@ def losses(seed: int) -> Walk:
 
 def motions(seed: int) -> Walk:
     """A bar that goes to another random motion in every cycle, over the whole range of the actions."""
-    return _walk(seed, {}, intervals=1000, actions=(UNIFORM, CORNERS)[seed % 2], every=4)
+    return _walk(seed, {}, intervals=1000, actions=(UNIFORM, CORNERS)[seed % 2], every=2)
 
 
 def speeds(seed: int) -> Walk:

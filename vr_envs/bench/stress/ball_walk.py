@@ -32,7 +32,7 @@ _GRAZED = 1e-7  # in place of _ON after an impact without speed, of which the ti
 LOG = 1 << 16  # rows of the log, more than the impacts of any interval: it has two pieces at most
 SAMPLES = 8  # instants of a rest at which it is judged
 _HALVINGS = 40  # of a stretch in which a flight ends in a rest, or begins from one
-RESTS = 16  # one interval in so many has its rests judged, which takes long
+RESTS = 32  # one interval in so many has its rests judged, which takes long
 CONSTANT, UNIFORM, CORNERS = 0, 1, 2  # kinds of actions: none, drawn anew in every interval, drawn from {-1, 1}
 
 REASONS = (

@@ -4,31 +4,35 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
-from typing import Any
-
-from tqdm import tqdm
+from typing import Any, NamedTuple
 
 from vr_envs.bench.ahead import side_by_side
 from vr_envs.bench.report import Report, Table
 from vr_envs.bench.stress.picture import passages, step_times
-from vr_envs.bench.stress.trial import Outcome, Trial, attempt, run_cases, share_below, slowest_step
+from vr_envs.bench.stress.trial import Outcome, Trial, attempt, share_below, slowest_step
 from vr_envs.bench.stress.trials import TRIALS
 
 QUICK = 0.1  # part of the cases
 SHARES = (0.5, 0.99, 0.9999)
 LISTED = 20  # failures of a trial in the report; all are in the JSON
+LONG = ("ball-impacts", "ball-motions")  # trials that take longest, and begin first
 
 
 @dataclasses.dataclass(frozen=True)
 class Finding:
     """A trial, what happened, and what it took."""
 
-    trial: Trial
+    name: str
     cases: int
     outcome: Outcome
     again: float  # s, the slowest step of the slowest cases in several runs; 0 without timed steps
     again_seed: int
     seconds: float  # CPU time
+
+    @property
+    def trial(self) -> Trial:
+        """What was tried."""
+        return TRIALS[self.name]
 
     @property
     def seen(self) -> float:
@@ -41,28 +45,32 @@ class Finding:
         return [share_below(self.outcome.times, share) for share in SHARES]
 
 
-def tried(trial: Trial, first: int, cases: int, progress: bool) -> Finding:
-    """Try one trial's cases from number `first` on."""
-    outcome, seconds = attempt(trial, first, cases, progress)
+class Work(NamedTuple):
+    """Some cases of a trial, by name."""
+
+    name: str
+    first: int
+    cases: int
+
+
+def tried(work: Work, progress: bool = False) -> Finding:
+    """Try them."""
+    trial = TRIALS[work.name]
+    outcome, seconds = attempt(trial, work.first, work.cases, progress)
     slowest, seed = slowest_step(trial, outcome)
-    return Finding(trial, cases, outcome, slowest, seed, seconds)
-
-
-def first_case(name: str) -> None:
-    """Run the first case of a trial, whatever it finds, for what it compiles."""
-    run_cases(TRIALS[name], 0, 1)
+    return Finding(work.name, work.cases, outcome, slowest, seed, seconds)
 
 
 def all_tried(names: Sequence[str], part: float, seed: int | None, progress: bool) -> list[Finding]:
     """Try the trials of these names, or of one the case `seed` alone; `part` is that of the usual number of cases."""
-    if len(names) > 1:
-        side_by_side(first_case, names, progress)
-    found = []
-    for name in tqdm(names, desc="trials", leave=False, disable=None if progress else True):
-        trial = TRIALS[name]
-        first, cases = (0, max(1, round(part * trial.cases))) if seed is None else (seed, 1)
-        found.append(tried(trial, first, cases, progress))
-    return found
+    works = [Work(name, 0, max(1, round(part * TRIALS[name].cases))) for name in names]
+    if seed is not None:
+        works = [work._replace(first=seed, cases=1) for work in works]
+    if len(works) == 1:
+        return [tried(works[0], progress)]
+    longest_first = sorted(works, key=lambda work: work.name not in LONG)
+    found = {f.name: f for f in side_by_side(tried, longest_first, progress, "trials")}
+    return [found[name] for name in dict.fromkeys(names)]
 
 
 def repeat(trial: Trial, seed: int) -> str:
@@ -129,8 +137,8 @@ def _times_table(findings: list[Finding]) -> Table:
         for f in timed
     ]
     note = (
-        "CPU time of the thread, the reading of its clock included; a step is a control interval, in ball-grazing one "
-        "flight and in ball-lens one cycle. The slowest of all, and p99.99, have the machine's interruptions in them. "
+        "CPU time of the thread, the reading of its clock included, with as many trials at a time as there are cores; a "
+        "step is a control interval, in ball-grazing one flight and in ball-lens one cycle. The slowest of all, and p99.99, have the machine's interruptions in them. "
         "The three slowest cases were run again, three times: each of their steps counts with its least time, and the "
         "slowest of these is told with its case."
     )
