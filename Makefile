@@ -35,7 +35,7 @@ format: $(VENV)/.installed-dev  ## fix style and formatting
 types: $(VENV)/.installed-dev  ## check types
 	$(BIN)/pyright --pythonpath $(BIN)/python
 
-bench: $(VENV)/.installed-dev  ## measure error, speed, stability and the cost of features, in ten minutes
+bench: $(VENV)/.installed-dev  ## measure error, speed, stability and the cost of features, in about nine minutes
 	$(BIN)/vr-envs bench accuracy
 	$(BIN)/vr-envs bench speed
 	$(BIN)/vr-envs bench stress

@@ -137,10 +137,10 @@ def _times_table(findings: list[Finding]) -> Table:
         for f in timed
     ]
     note = (
-        "CPU time of the thread, the reading of its clock included, with as many trials at a time as there are cores; a "
-        "step is a control interval, in ball-grazing one flight and in ball-lens one cycle. The slowest of all, and p99.99, have the machine's interruptions in them. "
-        "The three slowest cases were run again, three times: each of their steps counts with its least time, and the "
-        "slowest of these is told with its case."
+        "CPU time of the thread, the reading of its clock included; as many trials run at a time as there are cores. A "
+        "step is a control interval, in ball-grazing one flight and in ball-lens one cycle. The slowest of all, and "
+        "p99.99, have the machine's interruptions in them. The three slowest cases were run again, three times: each "
+        "of their steps counts with its least time, and the slowest of these is told with its case."
     )
     head = ["trial", "steps timed", "p50, us", "p99, us", "p99.99, us", "slowest, us", "again, us", "case"]
     return Table("Time per step", head, rows, (0,), note)
