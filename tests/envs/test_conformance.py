@@ -257,6 +257,7 @@ def test_bad_arguments_say_what_was_given_and_what_is_allowed(id):
     for steps in (0, 2.5, True):
         with pytest.raises(ValueError, match="max_episode_steps.*whole number"):
             gym.make_vec(id, 2, vectorization_mode="vector_entry_point", max_episode_steps=steps)
+    gym.make_vec(id, 2, vectorization_mode="vector_entry_point", max_episode_steps=2**64)
     with pytest.raises(ValueError, match="num_envs"):
         gym.make_vec(id, 0)
     with pytest.raises(ValueError, match="autoreset_mode = 'sometimes'.*NEXT_STEP"):

@@ -28,6 +28,9 @@ def test_a_restored_episode_ends_where_the_record_says(id, limited):
         actions = np.tile(action, (2, 1))
         same(batch.step(actions), plain.step(actions))
     assert batch._done.all()
+    alone = gym.make(id).unwrapped
+    alone.set_state(saved)
+    assert [alone.step(action)[3] for _ in range(4)] == [False, False, False, True]
     for target in (env.unwrapped, batch):  # metrics are told beyond the limit too
         target.set_state(batch.get_state()[0] if target is env.unwrapped else batch.get_state())
         *_, truncated, info = target.step(action if target is env.unwrapped else np.tile(action, (2, 1)))

@@ -65,7 +65,7 @@ class BatchEnv(gym.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         self.single_action_space = self.world.action_space
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
-        self._limit = NO_LIMIT if max_episode_steps is None else int(max_episode_steps)
+        self._limit = NO_LIMIT if max_episode_steps is None else min(int(max_episode_steps), NO_LIMIT)
         self._generators: list[np.random.Generator | None] = [None] * self.num_envs
         self._seeds: list[int] = [-1] * self.num_envs
         self._done = np.zeros(self.num_envs, np.bool_)
@@ -187,13 +187,12 @@ class BatchEnv(gym.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         return obs, rewards, terminated, truncated, infos
 
     def _end_infos(self, done: np.ndarray, rows: np.ndarray) -> dict[str, Any]:
-        """Metrics of the `rows` that are `done`, in the layout of `VectorEnv._add_info`; one mask serves them all."""
+        """Metrics of the `rows` that are `done`, in the layout of `VectorEnv._add_info`."""
         infos: dict[str, Any] = {}
-        mask = done.copy()
         for name, values in self.world.metrics(rows).items():
             infos[name] = column = np.zeros(self.num_envs, values.dtype)
             column[rows] = values
-            infos[f"_{name}"] = mask
+            infos[f"_{name}"] = done.copy()
         return infos
 
     def _final(self, done: np.ndarray, rows: np.ndarray, obs: np.ndarray, infos: dict[str, Any]) -> dict[str, Any]:

@@ -54,10 +54,7 @@ class ScalarEnv(gym.Env[np.ndarray, np.ndarray]):
                 seeding.np_random(seed)  # may refuse, as the state may, before anything has changed
             self.set_state(options["state"])
         super().reset(seed=seed)
-        if self.spec is not None:
-            # gym.make strikes the limit from the spec that the environment sees: its TimeLimit wrapper keeps it
-            registered = gym.registry.get(self.spec.id, self.spec)
-            self._limit = registered.max_episode_steps or NO_LIMIT
+        self._take_limit()
         if options and options.get("state") is not None:
             obs = self.world.observe()
         else:
@@ -69,6 +66,11 @@ class ScalarEnv(gym.Env[np.ndarray, np.ndarray]):
         if self.render_mode == "human":
             self.render()
         return obs[0], {}
+
+    def _take_limit(self) -> None:
+        """Take the registered time limit: gym.make strikes it from the spec that the environment sees."""
+        if self.spec is not None:
+            self._limit = gym.registry.get(self.spec.id, self.spec).max_episode_steps or NO_LIMIT
 
     def step(self, action: Any) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
         """Move by one control interval. The last step's info holds the episode's metrics.
@@ -115,6 +117,7 @@ class ScalarEnv(gym.Env[np.ndarray, np.ndarray]):
         itself, when the record has made the registered number of steps.
         """
         self.world.load(state, self._row)
+        self._take_limit()
         self._ready = self._restored = True
 
     def render(self) -> Any:

@@ -106,12 +106,14 @@ class Workspace:
         return self._own.results
 
     def _move(self, slot: _Slot) -> None:
-        if self.world.simulator is not None:
-            self.world.simulate(self._acts, self._live)
-        code = slot.step()
-        if not self._all_live:
-            self._live.fill(RUNS)
-            self._all_live = True
+        try:
+            if self.world.simulator is not None:
+                self.world.simulate(self._acts, self._live)
+            code = slot.step()
+        finally:
+            if not self._all_live:
+                self._live.fill(RUNS)
+                self._all_live = True
         if code < 0:
             row = -1 - code
             raise ValueError(

@@ -27,7 +27,7 @@ from numba.core.imputils import impl_ret_borrowed
 
 PACKAGE = Path(__file__).resolve().parent.parent
 KERNEL_FOLDERS = ("models", "envs")
-_OLD = 86400.0  # s, of kernels whose source has changed since
+_OLD = 86400.0  # s, the age of kernels that no other process is about to load
 
 
 @cache
@@ -44,6 +44,13 @@ def _folder_stamp(folder: Path) -> str:
         digest.update(path.name.encode())
         digest.update(path.read_bytes())
     return digest.hexdigest()
+
+
+@cache
+def _sources_changed() -> float:
+    """When a file that may contain a kernel has changed last (s, of the system's clock)."""
+    paths = (path for folder in KERNEL_FOLDERS for path in (PACKAGE / folder).glob("*.py"))
+    return max(path.stat().st_mtime for path in paths)
 
 
 @cache
@@ -79,11 +86,12 @@ class _CacheFile(IndexDataCacheFile):
         self._save_index({**overloads, key: name})
 
     def _remove_old(self) -> None:
-        """Remove kernels of earlier sources, unless they are so new that another process may be about to load them."""
-        begin = self._data_name_pattern.partition("{")[0]
-        for path in Path(self._cache_path).glob(f"{glob.escape(begin)}*.nbc"):
+        """Remove this module's kernels of earlier sources, unless another process may be about to load them."""
+        before = min(_sources_changed(), time.time() - _OLD)
+        module = glob.escape(self._index_name.partition(".")[0])
+        for path in Path(self._cache_path).glob(f"{module}.*.nb[ci]"):
             with contextlib.suppress(OSError):  # another process was quicker
-                if time.time() - path.stat().st_mtime > _OLD:
+                if path.stat().st_mtime < before:
                     path.unlink()
 
 

@@ -109,7 +109,7 @@ def scatter(typingctx, rows, records, i):  # type: ignore[no-untyped-def]
 
 @intrinsic
 def load_lanes(typingctx, array, i):  # type: ignore[no-untyped-def]
-    """The elements i to i + `WIDTH` - 1 of a contiguous array of truths, as a mask."""
+    """The elements i to i + `WIDTH` - 1 of a contiguous array of truths or small numbers, as a mask: whether odd."""
 
     def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         data = context.make_array(sig.args[0])(context, builder, args[0]).data

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import os
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from importlib.util import find_spec
@@ -11,6 +10,7 @@ from typing import Any
 
 from tqdm import tqdm
 
+from vr_envs.bench.ahead import cores
 from vr_envs.bench.features import sentences, skipped, startup, tables
 from vr_envs.bench.features.ahead import compile_ahead
 from vr_envs.bench.features.costs import ROWS, lockstep_cost, option_costs, outside_lockstep, pruning_costs
@@ -105,7 +105,7 @@ def _starts(found: Report, ids: list[str], effort: Effort, progress: bool) -> No
         found.tables.append(tables.import_table(looks))
         found.numbers["imports"] = _plain(looks)
     if effort.cold:
-        with ThreadPoolExecutor(os.cpu_count()) as pool:  # each in a process of its own, whose CPU time counts
+        with ThreadPoolExecutor(cores()) as pool:  # each in a process of its own, whose CPU time counts
             cold = list(_shown(pool.map(startup.cold_start, ids), "compiling in an empty cache", progress, len(ids)))
         found.sentences.append(sentences.cold(cold))
         found.tables.append(tables.cold_table(cold))

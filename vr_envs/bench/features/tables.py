@@ -169,7 +169,12 @@ def warm_table(found: Sequence[Warm]) -> Table:
     return Table("Start with kernels in the cache, CPU seconds", head, rows, (0, 1))
 
 
+_SIDE_BY_SIDE = "In processes of their own, as many at a time as there are cores."
+
+
 def cold_table(found: Sequence[Cold]) -> Table:
     """One row an id."""
     rows = [[c.env_id, f"{c.cpu:.1f}", f"{c.wall:.1f}", "yes" if c.said else "no"] for c in found]
-    return Table("Start with an empty cache, default scene", ["id", "CPU s", "clock s", "said so"], rows)
+    return Table(
+        "Start with an empty cache, default scene", ["id", "CPU s", "clock s", "said so"], rows, note=_SIDE_BY_SIDE
+    )

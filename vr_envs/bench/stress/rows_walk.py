@@ -99,6 +99,8 @@ def _walker(step_rows: Any, reset_rows: Any, prepare: Any, check: Any) -> Any:
         reset_rows(states, zeroth, keys, obs, params, options)
         case.code = _fails(bits[0], floats, fault, obs[0], low, high, 0.0)
         for step in range(settings.steps):
+            if case.code != 0:
+                return
             action = acts[0].row
             prepare(states[0], settings, step)
             checked = step % settings.every == 0
@@ -108,7 +110,8 @@ def _walker(step_rows: Any, reset_rows: Any, prepare: Any, check: Any) -> Any:
                 for j in range(action.shape[0]):
                     action[j] = math.nan
                 code = step_rows(states, acts, live, 1 << 62, seen, rewards, terminated, truncated, params, options)
-                case.code = 0 if code == -1 and (bits[0] == bits_before[0]).all() else _TAKEN
+                if code != -1 or not (bits[0] == bits_before[0]).all():
+                    case.code = _TAKEN
                 for j in range(action.shape[0]):
                     action[j] = 0.0
             _act(action, settings, step)
@@ -125,9 +128,7 @@ def _walker(step_rows: Any, reset_rows: Any, prepare: Any, check: Any) -> Any:
                 case.met += met
                 case.worst = max(case.worst, figure)
                 case.code = OWN - 1 + code if code > 0 else 0
-            if case.code != 0:
-                return
-            if terminated[0]:
+            if terminated[0] and case.code == 0:
                 keys[0] += np.uint64(1)
                 states[0] = before[1]
                 reset_rows(states, zeroth, keys, obs, params, options)
