@@ -6,7 +6,7 @@ import argparse
 import time
 from typing import TYPE_CHECKING
 
-from vr_envs.cli.common import UserError, names, user_input, whole
+from vr_envs.cli.common import UserError, extra, names, user_input, whole
 
 if TYPE_CHECKING:
     from vr_envs.bench.report import Report
@@ -30,9 +30,10 @@ def measure(arguments: argparse.Namespace) -> Report:
         raise UserError(
             "steps are timed with the clock of a thread's CPU time, which this system lacks; use a POSIX one"
         )
-    from vr_envs.bench.stress.measure import QUICK, all_tried, report
-    from vr_envs.bench.stress.trial import named
-    from vr_envs.bench.stress.trials import TRIALS
+    with extra("bench"):
+        from vr_envs.bench.stress.measure import QUICK, all_tried, report
+        from vr_envs.bench.stress.trial import named
+        from vr_envs.bench.stress.trials import TRIALS
 
     chosen = arguments.trial or list(TRIALS)
     with user_input():

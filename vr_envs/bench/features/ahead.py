@@ -59,7 +59,7 @@ def compile_ahead(env_ids: Sequence[str], progress: bool = False) -> None:
     """Load everything for some ids of this suite; from the first scene on that is not in the cache, side by side."""
     works = list({repr(work): work for env_id in env_ids for work in works_of(env_id)}.values())
     left = iter(works)
-    for work in tqdm(left, "kernels", len(works), leave=False, disable=not progress):
+    for work in tqdm(left, "kernels", len(works), leave=False, disable=None if progress else True):
         if not compile_one(work):
             break
     side_by_side(compile_one, list(left), progress)

@@ -79,7 +79,9 @@ def compare(name: str, batch: Batch, other: Batch, repeats: int, seconds: float)
 def option_costs(task: Task, repeats: int, seconds: float, rows: int = ROWS, progress: bool = False) -> list[Cost]:
     """Every option of a task, one at a time: the scene with it beside the same scene without it."""
     task, found, without = one_by_one(task), [], {}
-    for case in tqdm(list(cases(task)), desc=f"options of {task.name}", leave=False, disable=not progress):
+    for case in tqdm(
+        list(cases(task)), desc=f"options of {task.name}", leave=False, disable=None if progress else True
+    ):
         basis = repr(case.without)
         if basis not in without:
             without[basis] = Batch(task, case.without, rows)
@@ -122,5 +124,5 @@ def lockstep_cost(task: Task, repeats: int, seconds: float, rows: int = ROWS) ->
 def pruning_costs(task: Task, repeats: int, seconds: float, rows: int = ROWS, progress: bool = False) -> list[Cost]:
     """Of the plain scene of a task and of its default one."""
     scenes = [(NO_OPTION, plain(task)), (task.default_scene, {"base": task.default_scene})]
-    works = tqdm(scenes, desc=f"{task.name}, options that are off", leave=False, disable=not progress)
+    works = tqdm(scenes, desc=f"{task.name}, options that are off", leave=False, disable=None if progress else True)
     return [pruning_cost(name, task, scene, repeats, seconds, rows) for name, scene in works]

@@ -42,7 +42,7 @@ def scenes(task: Task) -> dict[str, tuple[Changes, tuple[float, ...]]]:
 
 def impact_costs(task: Task, repeats: int, seconds: float, progress: bool = False) -> list[ImpactCost]:
     """Every scene of `scenes`, of the ball's task."""
-    named = tqdm(scenes(task).items(), desc="impacts", leave=False, disable=not progress)
+    named = tqdm(scenes(task).items(), desc="impacts", leave=False, disable=None if progress else True)
     batches = {name: Batch(task, scene, ROWS, action=action) for name, (scene, action) in named}
     found = []
     for (name, batch), times in zip(batches.items(), per_call(list(batches.values()), repeats, seconds), strict=True):

@@ -113,7 +113,7 @@ def _starts(found: Report, ids: list[str], effort: Effort, progress: bool) -> No
 
 
 def _shown(works: Iterable[Any], what: str, progress: bool, total: int | None = None) -> Iterator[Any]:
-    return iter(tqdm(works, desc=what, total=total, leave=False, disable=not progress))
+    return iter(tqdm(works, desc=what, total=total, leave=False, disable=None if progress else True))
 
 
 def _plain(value: Any) -> Any:

@@ -47,7 +47,7 @@ def flights(
     """On a bar that stands still, without losses."""
     scene = plain(task) | STILL_BAR | {"restitution": 1.0, "half_length": 10.0}
     found = []
-    for height in tqdm(heights, desc="flights", leave=False, disable=not progress):
+    for height in tqdm(heights, desc="flights", leave=False, disable=None if progress else True):
         fields = {"x": 0.0, "z": height, "w": 0.0}
         batches = [
             Batch(task, changes, FLIGHT_ROWS, FLIGHT_STEPS, 0, STILL, fields)

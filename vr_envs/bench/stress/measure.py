@@ -166,11 +166,13 @@ def _sentences(findings: list[Finding]) -> list[str]:
     deep = [f for f in findings if f.trial.figure.startswith("deepest")]
     if deep:
         worst = max(deep, key=lambda f: f.outcome.worst)
-        judged = sum(f.outcome.judged for f in deep if f.trial.unit == "impacts")
+        units = dict.fromkeys(f.trial.unit for f in deep)
+        counts = {unit: sum(f.outcome.judged for f in deep if f.trial.unit == unit) for unit in units}
+        searched = ", ".join(f"{number(count)} {unit}" for unit, count in counts.items())
         lines.append(
             f"The deepest passage of a ball through its bar or lens is {worst.outcome.worst:.1e} m "
-            f"({worst.trial.name}): the flights around {counted(judged, 'impact')} were searched for one, and behind "
-            "the others the ball's place at the end of the interval was looked at."
+            f"({worst.trial.name}): the flights around {searched} were searched for one, and behind the other impacts "
+            "the ball's place at the end of the interval was looked at."
         )
     timed = [f for f in findings if f.seen > 0.0]
     if timed:
