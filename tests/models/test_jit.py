@@ -1,5 +1,6 @@
 """The kernel cache: it survives a process, and an edit makes it compile anew."""
 
+import os
 import subprocess
 import sys
 
@@ -36,6 +37,23 @@ def test_a_kernel_outside_the_package_is_cached_until_it_is_edited(tmp_path):
     assert run(tmp_path, 2) == (2.0, 0)
     assert run(tmp_path, 2) == (2.0, 1)
     assert run(tmp_path, 3) == (3.0, 0)
+
+
+def test_kernels_of_earlier_sources_are_removed_once_they_are_old(tmp_path, monkeypatch):
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    run(tmp_path, 2)
+    earlier = list(tmp_path.rglob("mine.*.nb[ci]"))
+    # the function moves, and its files have another name
+    texts = ["# a line more\n" + KERNEL, "# a line more\n# and another\n" + KERNEL]
+    monkeypatch.setitem(globals(), "KERNEL", texts[0])
+    assert run(tmp_path, 2) == (2.0, 0)
+    assert len(earlier) == 2 and all(path.exists() for path in earlier)
+    for path in earlier:
+        os.utime(path, (0.0, 0.0))
+    monkeypatch.setitem(globals(), "KERNEL", texts[1])
+    assert run(tmp_path, 2) == (2.0, 0)
+    assert not any(path.exists() for path in earlier)
+    assert len(list(tmp_path.rglob("mine.*.nb[ci]"))) == 4  # of the two texts since
 
 
 def test_an_edit_of_a_kernel_in_the_file_beside_it_compiles_it_anew(tmp_path, monkeypatch):

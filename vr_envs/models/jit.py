@@ -77,13 +77,13 @@ class _CacheFile(IndexDataCacheFile):
 
     def save(self, key: Any, data: Any) -> None:
         """Save under a name that belongs to this key and source alone: concurrent processes cannot mix kernels."""
-        overloads = self._load_index()
-        if not overloads:
+        if not self._load_index():
             self._remove_old()
         number = int(hashlib.sha256(repr((self._source_stamp, key)).encode()).hexdigest()[:12], 16)
         name = self._data_name(number)
         self._save_data(name, data)
-        self._save_index({**overloads, key: name})
+        # read again: another process may have added to it
+        self._save_index({**self._load_index(), key: name})
 
     def _remove_old(self) -> None:
         """Remove this module's kernels of earlier sources, unless another process may be about to load them."""

@@ -1,5 +1,6 @@
 """Every trial in small, and that what judges can fail: broken kernels and broken states are told."""
 
+import dataclasses
 import importlib.util
 import sys
 
@@ -184,6 +185,26 @@ def test_a_walk_tells_numbers_that_are_not_finite_and_what_the_check_says(prepar
     assert [failure.seed for failure in outcome.failures] == [5] * bool(reason)
     assert all(failure.reason.startswith(reason) for failure in outcome.failures)
     assert outcome.worst == 0.5 and outcome.met == outcome.judged > 0
+
+
+def wrong_at_first():
+    """A kernel that observes zeros, but something undefined at the start of an episode."""
+
+    @kernel
+    def observe(state, row, params, *options):
+        row[:] = 0.0
+        if state.steps == 0:
+            row[0] = np.nan
+
+    observe._cache = NullCache()
+    return observe
+
+
+@pytest.mark.slow
+def test_an_observation_that_is_wrong_at_a_reset_alone_is_told():
+    task, outcome = dataclasses.replace(RIDE, observe=wrong_at_first()), Outcome()
+    judge(task, {"base": "lecture"}, Settings(5, 8, UNIFORM, 1, (0.0,)), outcome, UNTRACED, nothing, content, ())
+    assert [failure.reason.partition(" is")[0] for failure in outcome.failures] == ["a number of the observation"]
 
 
 def test_flights_that_differ_or_are_undefined_are_told():
